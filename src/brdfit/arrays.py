@@ -1,0 +1,90 @@
+"""Small named mathematics and the shape checks that raw arguments pass through.
+
+Everything here is vectorised, allocates its result, and knows nothing of BRDFs.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from brdfit.errors import UsageError
+
+__all__ = [
+    "BoolArray",
+    "FloatArray",
+    "IntArray",
+    "as_columns",
+    "as_directions",
+    "dot",
+    "frozen",
+    "normalize",
+    "safe_arccos",
+]
+
+FloatArray = npt.NDArray[np.floating[Any]]
+"""An array of floats; shapes are given in each docstring."""
+
+IntArray = npt.NDArray[np.integer[Any]]
+"""An array of integers."""
+
+BoolArray = npt.NDArray[np.bool_]
+"""An array of booleans."""
+
+
+def dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the inner product over the last axis."""
+    return np.asarray(np.einsum("...i,...i->...", a, b))
+
+
+def normalize(v: FloatArray) -> FloatArray:
+    """Return `v` (..., 3) scaled to unit length; a null vector stays null.
+
+    The null vector is the half vector of two opposite directions: the caller
+    decides what that means, so nothing is divided by zero here.
+    """
+    length = np.sqrt(dot(v, v))[..., None]
+    return np.asarray(v / np.where(length > 0.0, length, 1.0))
+
+
+def safe_arccos(x: FloatArray) -> FloatArray:
+    """Return arccos of `x` clipped to [-1, 1]: rounding must not make a NaN."""
+    return np.asarray(np.arccos(np.clip(x, -1.0, 1.0)))
+
+
+def frozen(array: npt.ArrayLike, dtype: npt.DTypeLike | None = None) -> npt.NDArray[Any]:
+    """Return a read-only, contiguous copy that nobody else can write through."""
+    copy = np.array(array, dtype=dtype, order="C", copy=True)
+    copy.flags.writeable = False
+    return copy
+
+
+def as_directions(name: str, value: npt.ArrayLike) -> FloatArray:
+    """Return `value` as float64 (n, 3), or say what was found instead.
+
+    A single direction (3,) becomes (1, 3). Length is not changed.
+    """
+    array = np.asarray(value, dtype=np.float64)
+    if array.ndim == 1 and array.shape == (3,):
+        array = array[None, :]
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise UsageError(
+            f"{name}: found an array of shape {array.shape} but directions are unit vectors "
+            f"of shape (n, 3), normal = +z. From angles use brdfit.directions_from_spherical."
+        )
+    return array
+
+
+def as_columns(name: str, value: npt.ArrayLike, n: int) -> FloatArray:
+    """Return `value` as float64 (n, channels); (n,) becomes one channel."""
+    array = np.asarray(value, dtype=np.float64)
+    if array.ndim == 1:
+        array = array[:, None]
+    if array.ndim != 2 or array.shape[0] != n or array.shape[1] == 0:
+        raise UsageError(
+            f"{name}: found an array of shape {np.shape(value)} but expected ({n}, channels), "
+            f"one row for each of the {n} directions."
+        )
+    return array

@@ -1,0 +1,3 @@
+"""bench."""
+
+from __future__ import annotations

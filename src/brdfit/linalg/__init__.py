@@ -1,0 +1,3 @@
+"""linalg."""
+
+from __future__ import annotations

@@ -1,0 +1,3 @@
+"""physics."""
+
+from __future__ import annotations

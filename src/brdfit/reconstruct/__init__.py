@@ -1,0 +1,3 @@
+"""reconstruct."""
+
+from __future__ import annotations

@@ -1,0 +1,193 @@
+"""`Reconstruction`: what a fit returns, whatever the method."""
+
+from __future__ import annotations
+
+import dataclasses
+import platform
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+
+from brdfit.arrays import BoolArray, FloatArray, as_directions
+from brdfit.errors import UsageError
+from brdfit.grid import MERL_GRID, Grid
+from brdfit.progress import Progress, silent
+from brdfit.reconstruct.outcome import Outcome
+from brdfit.samples import Samples, Source
+from brdfit.table import Table
+
+__all__ = ["Method", "Model", "Reconstruction", "settings_record"]
+
+
+class Model(Protocol):
+    """A fitted function of direction: what a method computes and a result carries."""
+
+    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return f_r (n, channels) > 0 at directions above the horizon."""
+
+    def dense(self, grid: Grid, progress: Progress) -> FloatArray:
+        """Return f_r (grid.cells.size, channels), one row a cell above the horizon."""
+
+    def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
+        """Return the standard deviation of ln f_r (n, channels), or None if unknown."""
+
+
+class Method(Protocol):
+    """Frozen settings that can fit."""
+
+    name: ClassVar[str]
+
+    def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
+        """Return the reconstruction of `samples`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """The complete BRDF, what became of each sample, and how the fit ended.
+
+    | name                | shape         | meaning                                          |
+    |---------------------|---------------|--------------------------------------------------|
+    | `weights`           | (n,)          | robust weight in [0, 1]; 0 for unused samples    |
+    | `channel_weights`   | (n, channels) | the same per channel; equal columns where pooled |
+    | `residuals`         | (n, channels) | ln(value / result); NaN where not comparable     |
+    | `initial_residuals` | (n, channels) | the same against the initial estimate            |
+    | `outliers`          | (n,)          | used, but `weights` below `outlier_threshold`    |
+    """
+
+    samples: Samples
+    method: Method
+    model: Model
+    channel_weights: FloatArray
+    residuals: FloatArray
+    initial_residuals: FloatArray
+    outcome: Outcome
+    iterations: int = 0
+    outlier_threshold: float = 0.5
+    population: dict[str, Any] = field(default_factory=dict)
+    """Name, fingerprint and member count of the population that was leaned on."""
+    history: tuple[dict[str, float], ...] = ()
+    """One record of figures per iteration."""
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """(n,) mean weight over the channels in use; 0 for unused samples."""
+        used = self.samples.usable & np.isfinite(self.channel_weights)
+        total = np.where(used, self.channel_weights, 0.0).sum(axis=1)
+        return np.asarray(total / np.maximum(used.sum(axis=1), 1))
+
+    @cached_property
+    def outliers(self) -> BoolArray:
+        """(n,) True where a usable sample was found to disagree with the rest."""
+        used = self.samples.usable.any(axis=1)
+        return np.asarray(used & (self.weights < self.outlier_threshold))
+
+    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return f_r (n, channels), 1/sr, at direction pairs (n, 3); 0 below the horizon."""
+        wi, wo = as_directions("wi", wi), as_directions("wo", wo)
+        above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
+        result = np.zeros((len(wi), self.samples.n_channels))
+        if above.any():
+            result[above] = self.model.evaluate(wi[above], wo[above])
+        return result
+
+    def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return the standard deviation of ln f_r (n, channels).
+
+        Raises `UsageError` for a method that does not know it.
+        """
+        deviation = self.model.stddev(as_directions("wi", wi), as_directions("wo", wo))
+        if deviation is None:
+            raise UsageError(
+                f"method {self.method.name!r} states no uncertainty; residuals and weights are "
+                f"what it knows of its own quality."
+            )
+        return deviation
+
+    def table(self, grid: Grid = MERL_GRID, progress: Progress = silent) -> Table:
+        """Return the dense result on `grid`; every cell above the horizon is valid."""
+        values = np.zeros((grid.size, self.samples.n_channels), dtype=np.float32)
+        values[grid.cells] = self.model.dense(grid, progress)
+        values = values.reshape(*grid.shape, -1)
+        values.flags.writeable = False
+        return Table(
+            values=values,
+            grid=grid,
+            wavelengths=self.samples.wavelengths,
+            channels=self.samples.channels,
+            source=Source(
+                name=self.samples.source.name,
+                format="reconstruction",
+                sha256=self.samples.source.sha256,
+                convention="f_r in 1/sr, cosine not included",
+                notes=(f"method {self.method.name}", f"outcome {self.outcome.value}"),
+            ),
+        )
+
+    def record(self) -> dict[str, Any]:
+        """Return everything a script needs to know about the fit, as JSON-able values."""
+        return {
+            "method": settings_record(self.method),
+            "population": dict(self.population),
+            "outcome": {
+                "name": self.outcome.value,
+                "ok": self.outcome.ok,
+                "advice": self.outcome.advice,
+            },
+            "iterations": self.iterations,
+            "history": list(self.history),
+            "samples": {
+                "count": len(self.samples),
+                "usable": int(self.samples.usable.any(axis=1).sum()),
+                "channels": list(self.samples.channels),
+                "flags": self.samples.flag_counts(),
+                "source": dataclasses.asdict(self.samples.source),
+            },
+            "outliers": {
+                "count": int(self.outliers.sum()),
+                "threshold": self.outlier_threshold,
+                "rows": _rows(self.samples, self.outliers),
+            },
+            "residuals": {
+                "definition": "ln(value / result)",
+                "before": _summary(self.initial_residuals),
+                "after": _summary(self.residuals),
+                "after_without_outliers": _summary(self.residuals[~self.outliers]),
+            },
+            "versions": _versions(),
+        }
+
+
+def settings_record(method: Method) -> dict[str, Any]:
+    """Return a method's name and settings as JSON-able values."""
+    record: dict[str, Any] = {"name": method.name}
+    for item in dataclasses.fields(method):  # type: ignore[arg-type]
+        value = getattr(method, item.name)
+        plain = value is None or isinstance(value, bool | int | float | str)
+        record[item.name] = value if plain else str(value)
+    return record
+
+
+def _rows(samples: Samples, chosen: BoolArray) -> list[int]:
+    index = np.flatnonzero(chosen)
+    return [int(row) for row in (index + 1 if samples.rows is None else samples.rows[index])]
+
+
+def _summary(residuals: FloatArray) -> dict[str, float | int | None]:
+    size = np.abs(residuals[np.isfinite(residuals)])
+    if size.size == 0:
+        return {"count": 0, "median_abs": None, "mean_abs": None, "rms": None}
+    return {
+        "count": int(size.size),
+        "median_abs": float(np.median(size)),
+        "mean_abs": float(size.mean()),
+        "rms": float(np.sqrt(np.mean(size**2))),
+    }
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import version
+
+    packages = ("brdfit", "numpy", "scipy")
+    return {"python": platform.python_version(), **{name: version(name) for name in packages}}

@@ -1,0 +1,3 @@
+"""robust."""
+
+from __future__ import annotations
