@@ -47,9 +47,7 @@ class Flag(enum.IntFlag):
     """The file or the user marked the sample as wrong: not used."""
 
 
-_UNUSABLE = (
-    Flag.NOT_FINITE | Flag.BELOW_HORIZON | Flag.NOT_UNIT | Flag.UNREADABLE | Flag.REJECTED
-)
+_UNUSABLE = Flag.NOT_FINITE | Flag.BELOW_HORIZON | Flag.NOT_UNIT | Flag.UNREADABLE | Flag.REJECTED
 
 
 @dataclass(frozen=True)

@@ -118,4 +118,4 @@ class Table:
         from scipy.ndimage import distance_transform_edt
 
         near = distance_transform_edt(~self.mask, return_distances=False, return_indices=True)
-        return np.ravel_multi_index(tuple(near), self.grid.shape)
+        return np.asarray(np.ravel_multi_index(tuple(near), self.grid.shape))

@@ -77,9 +77,8 @@ class Population:
         return len(self.selected)
 
     def __repr__(self) -> str:
-        return (
-            f"Population({self.name!r}, {len(self)} members, {len(self.unique_materials)} materials)"
-        )
+        materials = len(self.unique_materials)
+        return f"Population({self.name!r}, {len(self)} members, {materials} materials)"
 
     @property
     def name(self) -> str:
@@ -138,9 +137,10 @@ class Population:
         wanted = {names} if isinstance(names, str) else set(names)
         unknown = sorted(wanted - set(self.members) - set(self.materials))
         if unknown:
+            some = ", ".join(self.unique_materials[:5])
             raise PopulationError(
-                f"population {self.name!r} has no material {unknown[0]!r}; it has "
-                f"{', '.join(self.unique_materials[:5])}, ... ({len(self.unique_materials)} in all)."
+                f"population {self.name!r} has no material {unknown[0]!r}; it has {some}, ... "
+                f"({len(self.unique_materials)} in all)."
             )
         return wanted
 

@@ -107,10 +107,10 @@ class Reconstruction:
 
     def table(self, grid: Grid = MERL_GRID, progress: Progress = silent) -> Table:
         """Return the dense result on `grid`; every cell above the horizon is valid."""
-        values = np.zeros((grid.size, self.samples.n_channels), dtype=np.float32)
-        values[grid.cells] = self.model.dense(grid, progress)
-        values = values.reshape(*grid.shape, -1)
-        values.flags.writeable = False
+        n = self.samples.n_channels
+        values = np.zeros((*grid.shape, n), dtype=np.float32)
+        values.reshape(-1, n)[grid.cells] = self.model.dense(grid, progress)
+        values.flags.writeable = False  # handed over: the table need not copy it
         return Table(
             values=values,
             grid=grid,
