@@ -17,12 +17,22 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from brdfit.errors import BrdfitError as BrdfitError
+    from brdfit.formats import list_formats as list_formats
+    from brdfit.formats import read_samples as read_samples
+    from brdfit.formats import read_table as read_table
+    from brdfit.formats import write_samples as write_samples
+    from brdfit.formats import write_table as write_table
     from brdfit.samples import Samples as Samples
 
 # public name -> module that defines it
 _HOME = {
     "BrdfitError": "errors",
     "Samples": "samples",
+    "list_formats": "formats",
+    "read_samples": "formats",
+    "read_table": "formats",
+    "write_samples": "formats",
+    "write_table": "formats",
 }
 
 __all__ = sorted(_HOME)
