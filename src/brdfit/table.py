@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from brdfit.arrays import BoolArray, FloatArray, as_directions, frozen
+from brdfit.arrays import BoolArray, FloatArray, IntArray, as_directions, frozen
 from brdfit.errors import UsageError
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import MERL_GRID, Grid
@@ -92,25 +92,32 @@ class Table:
         above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
         return np.where(above[:, None], result, 0.0)
 
-    def interpolate(self, index: np.ndarray, weight: FloatArray) -> FloatArray:
+    def interpolate(self, index: IntArray, weight: FloatArray) -> FloatArray:
         """Return values (n, channels) from `Grid.corners`, over the valid corners only."""
+        index, share = self.valid_corners(index, weight)
         flat = self.values.reshape(-1, self.n_channels)
+        gathered = np.where(share[..., None] == 0.0, 0.0, flat[index])
+        return np.asarray(np.einsum("nc,nck->nk", share, gathered))
+
+    def valid_corners(self, index: IntArray, weight: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return (flat indices, weights), each (n, 8), of the valid cells that answer.
+
+        The weights of `Grid.corners` without the invalid cells, scaled to sum to 1. Where
+        none of the eight is valid, the nearest valid cell of the heaviest has weight 1; a
+        table without any valid cell gives NaN weights.
+        """
         share = weight * self.mask.reshape(-1)[index]
         total = share.sum(axis=1)
-        gathered = np.where(share[..., None] > 0.0, flat[index], 0.0)
-        result = np.einsum("nc,nck->nk", share, gathered)
-        result /= np.where(total > 0.0, total, 1.0)[:, None]
+        share /= np.where(total > 0.0, total, 1.0)[:, None]
         lost = total <= 0.0
-        if np.any(lost):
-            heaviest = index[lost, np.argmax(weight[lost], axis=1)]
-            result[lost] = self._nearest_valid(heaviest)
-        return np.asarray(result)
-
-    def _nearest_valid(self, flat: np.ndarray) -> FloatArray:
         if not self.mask.any():
-            return np.full((flat.size, self.n_channels), np.nan)
-        i, j, k = np.unravel_index(self._valid_neighbour.reshape(-1)[flat], self.grid.shape)
-        return np.asarray(self.values[i, j, k])
+            share[:, 0] = np.nan
+        elif np.any(lost):
+            heaviest = index[lost, np.argmax(weight[lost], axis=1)]
+            index = index.copy()
+            index[lost] = self._valid_neighbour.reshape(-1)[heaviest][:, None]
+            share[lost, 0] = 1.0
+        return index, share
 
     @cached_property
     def _valid_neighbour(self) -> np.ndarray:

@@ -1,0 +1,146 @@
+"""A sphere seen along +z: which directions each pixel asks a BRDF for, and the shaded image.
+
+The unit sphere in orthographic projection, view coordinates x right, y up, z toward the
+viewer; row 0 is the top. A pixel whose middle lies on the disk sees the normal
+n = (x, y, sqrt(1 - x^2 - y^2)) and, for lights of direction l and irradiance E,
+
+    L = sum_l f_r(wi, wo) E max(n . l, 0)
+
+with wi and wo in the frame of n. The BRDF is isotropic, so any frame about n serves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from brdfit.arrays import BoolArray, FloatArray, IntArray, dot, frozen
+from brdfit.errors import UsageError
+from brdfit.render.illumination import Illumination
+from brdfit.tone import LUMINANCE
+
+__all__ = ["Evaluable", "Queries", "Sphere", "channel_irradiance"]
+
+_CHUNK = 200_000
+# A light this close to a pixel's horizon gives it nothing; the BRDF there may be anything.
+_HORIZON = 1e-6
+
+
+class Evaluable(Protocol):
+    """Anything that answers for pairs of directions: a table, a model, a reconstruction."""
+
+    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return f_r (n, channels), 1/sr, at direction pairs (n, 3)."""
+
+
+class Queries(NamedTuple):
+    """What a sphere under an illumination asks of a BRDF: one row a pixel and light.
+
+    | name     | shape  | meaning                                                   |
+    |----------|--------|-----------------------------------------------------------|
+    | `wi`     | (n, 3) | toward the light, in the pixel's frame, above its horizon |
+    | `wo`     | (n, 3) | toward the viewer, in the pixel's frame                   |
+    | `pixel`  | (n,)   | which pixel of the disk, row by row, ascending            |
+    | `light`  | (n,)   | which light of the illumination                           |
+    | `cosine` | (n,)   | n . l, the share of the irradiance that arrives           |
+    """
+
+    wi: FloatArray
+    wo: FloatArray
+    pixel: IntArray
+    light: IntArray
+    cosine: FloatArray
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """The geometry of a sphere image of `size` x `size` pixels."""
+
+    size: int = 64
+
+    def __post_init__(self) -> None:
+        if self.size < 2:
+            raise UsageError(f"Sphere: size is {self.size} but an image needs at least 2 pixels.")
+
+    @cached_property
+    def _plane(self) -> tuple[FloatArray, FloatArray]:
+        middle = (2.0 * np.arange(self.size) + 1.0) / self.size - 1.0
+        x, y = np.meshgrid(middle, -middle)
+        return x, y
+
+    @cached_property
+    def mask(self) -> BoolArray:
+        """(size, size) True on the disk."""
+        x, y = self._plane
+        return frozen(x * x + y * y < 1.0)
+
+    @cached_property
+    def normal(self) -> FloatArray:
+        """(pixels, 3) unit normals of the pixels of the disk, row by row."""
+        x, y = (axis[self.mask] for axis in self._plane)
+        return frozen(np.stack([x, y, np.sqrt(1.0 - x * x - y * y)], axis=1))
+
+    @cached_property
+    def _frame(self) -> FloatArray:
+        # (pixels, 3, 3), rows tangent, bitangent, normal; the tangent is the view direction
+        # laid into the surface, or +x in the one pixel that may face the viewer.
+        n = self.normal
+        sine = np.hypot(n[:, 0], n[:, 1])
+        facing = sine < 1e-9
+        tangent = np.stack([-n[:, 0] * n[:, 2], -n[:, 1] * n[:, 2], sine * sine], axis=1)
+        tangent = tangent / np.where(facing, 1.0, sine)[:, None]
+        tangent[facing] = (1.0, 0.0, 0.0)
+        return np.stack([tangent, np.cross(n, tangent), n], axis=1)
+
+    def directions(self, illumination: Illumination) -> Queries:
+        """Return all that the sphere asks of a BRDF under `illumination`."""
+        chunks = list(self._chunks(illumination, len(self.normal)))
+        return chunks[0]
+
+    def shade(self, brdf: Evaluable, illumination: Illumination) -> FloatArray:
+        """Return the linear image (size, size, channels), 0 beside the disk.
+
+        Three channels are lit by the light's R, G and B; any other number by the light's
+        luminance, so that monochrome data stay grey.
+        """
+        per_chunk = max(1, _CHUNK // max(len(illumination), 1))
+        disk: list[FloatArray] = []
+        for queries in self._chunks(illumination, per_chunk):
+            value = brdf.evaluate(queries.wi, queries.wo)
+            amount = channel_irradiance(illumination, value.shape[1])[queries.light]
+            light = value * amount * queries.cosine[:, None]
+            disk.append(_sum_by(queries.pixel, light, min(per_chunk, len(self.normal))))
+        return self.image(np.concatenate(disk)[: len(self.normal)])
+
+    def image(self, disk: FloatArray) -> FloatArray:
+        """Return (size, size, channels) from values (pixels, channels) of the disk."""
+        picture = np.zeros((self.size, self.size, disk.shape[1]))
+        picture[self.mask] = disk
+        return picture
+
+    def _chunks(self, illumination: Illumination, pixels: int) -> Iterator[Queries]:
+        for first in range(0, len(self.normal), pixels):
+            frame = self._frame[first : first + pixels]
+            # wi[p, l, :] = frame[p] @ direction[l]
+            wi = np.einsum("pij,lj->pli", frame, illumination.direction)
+            pixel, light = np.nonzero(wi[..., 2] > _HORIZON)
+            wi = wi[pixel, light]
+            wo = frame[:, :, 2][pixel]
+            yield Queries(wi, wo, pixel, light, wi[:, 2])
+
+
+def channel_irradiance(illumination: Illumination, channels: int) -> FloatArray:
+    """Return the irradiance (lights, channels) that lights values of that many channels."""
+    if channels == 3:
+        return illumination.irradiance
+    grey = dot(illumination.irradiance, np.asarray(LUMINANCE))
+    return np.repeat(grey[:, None], channels, axis=1)
+
+
+def _sum_by(group: IntArray, value: FloatArray, n: int) -> FloatArray:
+    columns = [np.bincount(group, weights=column, minlength=n) for column in value.T]
+    return np.stack(columns, axis=1)
