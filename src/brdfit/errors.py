@@ -86,10 +86,15 @@ class MissingExtra(BrdfitError, ImportError):
     """
 
     def __init__(self, package: str, extra: str, purpose: str) -> None:
+        self._arguments = (package, extra, purpose)
         super().__init__(
             f"{purpose} needs the package {package!r}, which is not installed. "
             f'Install it with: python -m pip install "brdfit[{extra}]"'
         )
+
+    def __reduce__(self) -> tuple[type[MissingExtra], tuple[str, str, str]]:
+        # The message alone would not rebuild it on its way between processes.
+        return type(self), self._arguments
 
 
 class BrdfitWarning(UserWarning):

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from brdfit.errors import UsageError
+
 __all__ = ["atomic_path", "sha256_of_bytes", "sha256_of_file"]
 
 _BLOCK = 1 << 20
@@ -24,9 +26,16 @@ def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
 
     The temporary file carries the suffix of the target, because some writers choose
     the format by it. On any exception, an interrupt included, the temporary file is
-    removed and an existing target stays as it was.
+    removed and an existing target stays as it was. A link is followed.
+
+    Raises `UsageError` where a file cannot stand: the folder does not exist, or the target
+    is a folder or a device.
     """
-    target = Path(target)
+    target = Path(target).resolve()
+    if not target.parent.is_dir():
+        raise UsageError(f"{target}: the folder {target.parent} does not exist; create it first.")
+    if target.exists() and not target.is_file():
+        raise UsageError(f"{target}: found a folder or a device; name a file to write to.")
     handle, name = tempfile.mkstemp(
         prefix=f".{target.stem}.", suffix=f".part{target.suffix}", dir=target.parent
     )

@@ -49,6 +49,10 @@ class Flag(enum.IntFlag):
 
 _UNUSABLE = Flag.NOT_FINITE | Flag.BELOW_HORIZON | Flag.NOT_UNIT | Flag.UNREADABLE | Flag.REJECTED
 
+# What only a reader or the user can know. Every other flag follows from directions and
+# values, and is worked out anew whenever these change, so that the two never disagree.
+_STATED = Flag.UNREADABLE | Flag.REJECTED
+
 
 @dataclass(frozen=True)
 class Source:
@@ -68,15 +72,34 @@ class Source:
     """Header fields of the file as written."""
 
 
-def default_channels(n: int, wavelengths: FloatArray | None = None) -> tuple[str, ...]:
+def default_channels(n: int, wavelengths: npt.ArrayLike | None = None) -> tuple[str, ...]:
     """Return channel names: wavelengths in nm, else R G B for three, `value` for one."""
     if wavelengths is not None:
-        return tuple(f"{wavelength:g}nm" for wavelength in wavelengths)
+        return tuple(f"{wavelength:g}nm" for wavelength in np.atleast_1d(wavelengths))
     if n == 3:
         return ("R", "G", "B")
     if n == 1:
         return ("value",)
     return tuple(f"channel{index}" for index in range(n))
+
+
+def name_channels(
+    owner: str, n: int, channels: Sequence[str], wavelengths: npt.ArrayLike | None
+) -> tuple[tuple[str, ...], FloatArray | None]:
+    """Return checked (names, frozen wavelengths) for `n` channels of the class `owner`."""
+    if wavelengths is not None:
+        wavelengths = frozen(np.atleast_1d(wavelengths), np.float64)
+        if wavelengths.shape != (n,):
+            raise UsageError(
+                f"{owner}: found wavelengths of shape {wavelengths.shape} but {n} channels of "
+                f"values; give one wavelength in nm for each channel."
+            )
+    names = tuple(channels) or default_channels(n, wavelengths)
+    if len(names) != n:
+        raise UsageError(
+            f"{owner}: found {len(names)} channel names {names} but {n} channels of values."
+        )
+    return names, wavelengths
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +114,13 @@ class Samples:
     | `sigma`       | (n, channels) | standard deviation of `value`, 1/sr, or None         |
     | `wavelengths` | (channels,)   | nm, or None                                          |
     | `channels`    | channels      | names; made up from wavelengths or count if empty    |
-    | `flags`       | (n,)          | `Flag` bits; those given are kept, the rest computed |
+    | `flags`       | (n,)          | `Flag` bits; see below                               |
     | `rows`        | (n,)          | 1-based line or record of the source, or None        |
 
     Raises `UsageError` where shapes disagree. Values that cannot be used raise nothing:
-    they are flagged.
+    they are flagged. Of the flags given, UNREADABLE and REJECTED are kept; all others are
+    worked out from directions and values. A value known only to lie under a detection limit
+    is entered as 0, which makes it censored.
     """
 
     wi: FloatArray
@@ -118,28 +143,18 @@ class Samples:
         put(self, "wo", frozen(wo))
         put(self, "value", frozen(value))
         if self.sigma is not None:
-            sigma = np.broadcast_to(as_columns("sigma", self.sigma, len(wi)), value.shape)
-            put(self, "sigma", frozen(sigma))
-        self._name_channels(value.shape[1])
+            put(self, "sigma", frozen(_like_value("sigma", self.sigma, value.shape)))
+        names, wavelengths = name_channels(
+            "Samples", value.shape[1], self.channels, self.wavelengths
+        )
+        put(self, "channels", names)
+        put(self, "wavelengths", wavelengths)
         if self.rows is not None:
             put(self, "rows", frozen(_per_sample("rows", self.rows, len(wi)), np.int64))
-        given = 0 if self.flags is None else _per_sample("flags", self.flags, len(wi))
-        flags = _flags(wi, wo, value) | np.asarray(given, dtype=np.int64)
-        put(self, "flags", frozen(np.asarray(flags, dtype=np.int64)))
-
-    def _name_channels(self, n: int) -> None:
-        put = object.__setattr__
-        if self.wavelengths is not None:
-            wavelengths = np.atleast_1d(np.asarray(self.wavelengths, dtype=np.float64))
-            if wavelengths.shape != (n,):
-                raise UsageError(
-                    f"wavelengths: found shape {wavelengths.shape} but value has {n} channels."
-                )
-            put(self, "wavelengths", frozen(wavelengths))
-        channels = tuple(self.channels) or default_channels(n, self.wavelengths)
-        if len(channels) != n:
-            raise UsageError(f"channels: found {len(channels)} names but value has {n} channels.")
-        put(self, "channels", channels)
+        flags = _flags(wi, wo, value)
+        if self.flags is not None:
+            flags |= _per_sample("flags", self.flags, len(wi)).astype(np.int64) & int(_STATED)
+        put(self, "flags", frozen(flags))
 
     def __len__(self) -> int:
         return len(self.value)
@@ -152,7 +167,9 @@ class Samples:
     @cached_property
     def half_diff(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """(theta_h, theta_d, phi_d), each (n,), radians, phi_d in [0, 2 pi)."""
-        return half_diff_from_directions(self.wi, self.wo)
+        with np.errstate(invalid="ignore"):  # an infinite direction is flagged, and stays NaN
+            theta_h, theta_d, phi_d = half_diff_from_directions(self.wi, self.wo)
+        return frozen(theta_h), frozen(theta_d), frozen(phi_d)
 
     @cached_property
     def bits(self) -> IntArray:
@@ -199,7 +216,16 @@ class Samples:
         return {str(name).lower(): count for name, count in counts.items() if count}
 
     def with_flags(self, rows: npt.ArrayLike, flag: Flag) -> Samples:
-        """Return the same samples with `flag` added where the mask `rows` (n,) is true."""
+        """Return the same samples with `flag` added where the mask `rows` (n,) is true.
+
+        Raises `UsageError` for a flag that is worked out from the values: to add it would
+        say of a measurement what its numbers do not.
+        """
+        if Flag(flag) & ~_STATED:
+            raise UsageError(
+                f"with_flags: found {Flag(flag)!r} but only UNREADABLE and REJECTED can be "
+                f"stated; the others follow from directions and values (use with_value)."
+            )
         mask = _per_sample("rows", rows, len(self)).astype(bool)
         return replace(self, flags=self.bits | np.where(mask, int(flag), 0))
 
@@ -209,6 +235,10 @@ class Samples:
         The flag `DUPLICATE` is worked out again among those that remain.
         """
         pick = np.asarray(rows)
+        if pick.size == 0:  # an empty list is an array of floats to numpy
+            pick = np.zeros(0, dtype=np.int64)
+        elif pick.dtype == bool:
+            pick = np.flatnonzero(_per_sample("rows", pick, len(self)))
 
         def take(array: npt.NDArray[Any] | None) -> npt.NDArray[Any] | None:
             return None if array is None else array[pick]
@@ -219,31 +249,24 @@ class Samples:
             wo=self.wo[pick],
             value=self.value[pick],
             sigma=take(self.sigma),
-            flags=self.bits[pick] & ~int(Flag.DUPLICATE),
+            flags=self.bits[pick],
             rows=take(self.rows),
         )
 
     def select_channels(self, channels: Sequence[int]) -> Samples:
         """Return the samples with only the channels of these indices, in that order."""
         pick = list(channels)
-        computed = int(Flag.NOT_FINITE | Flag.CENSORED | Flag.PARTLY_MISSING)
         return replace(
             self,
             value=self.value[:, pick],
             sigma=None if self.sigma is None else self.sigma[:, pick],
             wavelengths=None if self.wavelengths is None else self.wavelengths[pick],
             channels=tuple(self.channels[index] for index in pick),
-            flags=self.bits & ~computed,
         )
 
     def with_value(self, value: npt.ArrayLike) -> Samples:
-        """Return the same directions with other values (n, channels)."""
-        computed = int(Flag.NOT_FINITE | Flag.CENSORED | Flag.PARTLY_MISSING)
-        return replace(
-            self,
-            value=np.asarray(value, dtype=np.float64).reshape(self.value.shape),
-            flags=self.bits & ~computed,
-        )
+        """Return the same samples with other values (n, channels), 1/sr; `sigma` stays."""
+        return replace(self, value=_like_value("value", value, self.value.shape))
 
     def require_usable(self, at_least: int = 1) -> None:
         """Raise `SampleError` unless that many samples have a positive usable channel."""
@@ -264,6 +287,16 @@ def _per_sample(name: str, value: npt.ArrayLike, n: int) -> npt.NDArray[Any]:
     return array
 
 
+def _like_value(name: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    array = as_columns(name, given, shape[0])
+    if array.shape[1] not in (1, shape[1]):
+        raise UsageError(
+            f"{name}: found {array.shape[1]} channels but the values have {shape[1]}; give one "
+            f"column for all or one for each."
+        )
+    return np.asarray(np.broadcast_to(array, shape))
+
+
 def _flags(wi: FloatArray, wo: FloatArray, value: FloatArray) -> IntArray:
     finite_direction = np.isfinite(wi).all(axis=1) & np.isfinite(wo).all(axis=1)
     finite = np.isfinite(value)
@@ -271,22 +304,27 @@ def _flags(wi: FloatArray, wo: FloatArray, value: FloatArray) -> IntArray:
     flags[~finite_direction | ~finite.any(axis=1)] |= int(Flag.NOT_FINITE)
     flags[finite.any(axis=1) & ~finite.all(axis=1)] |= int(Flag.PARTLY_MISSING)
     flags[(finite & (np.nan_to_num(value) <= 0.0)).any(axis=1)] |= int(Flag.CENSORED)
-    with np.errstate(invalid="ignore"):
-        below = (wi[:, 2] <= 0.0) | (wo[:, 2] <= 0.0)
+    below = (wi[:, 2] <= 0.0) | (wo[:, 2] <= 0.0)
+    with np.errstate(invalid="ignore", over="ignore"):
         length = np.stack([np.sqrt(dot(w, w)) for w in (wi, wo)])
-        not_unit = (np.abs(length - 1.0) > _UNIT_TOLERANCE).any(axis=0)
+    unit = (np.abs(length - 1.0) <= _UNIT_TOLERANCE).all(axis=0)
     flags[finite_direction & below] |= int(Flag.BELOW_HORIZON)
-    flags[finite_direction & not_unit] |= int(Flag.NOT_UNIT)
-    flags[_repeats(wi, wo) & finite_direction] |= int(Flag.DUPLICATE)
+    flags[finite_direction & ~unit] |= int(Flag.NOT_UNIT)
+    unit_rows = np.flatnonzero(unit)
+    flags[unit_rows[_repeats(wi[unit], wo[unit])]] |= int(Flag.DUPLICATE)
     return flags
 
 
 def _repeats(wi: FloatArray, wo: FloatArray) -> BoolArray:
-    repeated = np.zeros(len(wi), dtype=bool)
-    if len(wi) == 0:
-        return repeated
-    key = np.rint(np.nan_to_num(np.hstack([wi, wo])) / _SAME_DIRECTION).astype(np.int64)
-    _, first = np.unique(key, axis=0, return_index=True)
-    repeated[:] = True
+    """Return (n,) True where a pair of unit vectors repeats an earlier one."""
+    # A complex number sorts by its real, then its imaginary part: one exact key a pair.
+    _, first = np.unique(_packed(wi) + 1j * _packed(wo), return_index=True)
+    repeated = np.ones(len(wi), dtype=bool)
     repeated[first] = False
     return repeated
+
+
+def _packed(w: FloatArray) -> FloatArray:
+    # Unit vectors have components within +-2002 steps: three fit a float64 without rounding.
+    steps = np.rint(w / _SAME_DIRECTION)
+    return np.asarray((steps[:, 0] * 8192.0 + steps[:, 1]) * 8192.0 + steps[:, 2])
