@@ -100,6 +100,7 @@ _ADOPTED: dict[str, Any] = {}
 
 def _adopt(work: Work, shared: Any, parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     limit_threads()
     _ADOPTED.update(work=work, shared=shared)
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
