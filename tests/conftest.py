@@ -39,11 +39,11 @@ def shared_data() -> Path:
 @pytest.fixture(scope="session", autouse=True)
 def _cache_of_the_tests(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Keep the tests out of the user's own cache folder, and sharing one among them."""
-    if "BRDFIT_CACHE_DIR" not in os.environ:
+    if "BRDFIT_CACHE" not in os.environ:
         # xdist workers share the parent of their own base folder
         base = tmp_path_factory.getbasetemp()
         shared = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
-        os.environ["BRDFIT_CACHE_DIR"] = str(shared / "brdfit-cache")
+        os.environ["BRDFIT_CACHE"] = str(shared / "brdfit-cache")
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ import numpy as np
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.errors import PopulationError
 
-__all__ = ["VALUE_FLOOR", "MemberSource", "Population"]
+__all__ = ["VALUE_FLOOR", "MemberSource", "Population", "member_values"]
 
 VALUE_FLOOR = 1e-4
 """1/sr. Logarithms of population values are taken of max(f_r, VALUE_FLOOR).
@@ -57,7 +57,19 @@ class MemberSource(Protocol):
         """True if f(theta_h, theta_d, phi_d) = f(theta_h, theta_d, pi - phi_d) exactly."""
 
     def evaluate(self, wi: FloatArray, wo: FloatArray, pick: IntArray) -> FloatArray:
-        """Return f_r (n, len(pick), channels) >= 0 in 1/sr of those members at (n, 3)."""
+        """Return f_r (n, len(pick), channels) >= 0 in 1/sr of those members at (n, 3).
+
+        float32, finite, 0 below the horizon. The array is laid out by channel: each
+        `[:, :, channel]` is a C-contiguous (n, len(pick)) array (see `member_values`).
+        """
+
+
+def member_values(by_channel: FloatArray) -> FloatArray:
+    """Return (channels, n, members) seen as (n, members, channels), without a copy.
+
+    Everything downstream works channel by channel: this keeps a channel in one piece.
+    """
+    return np.moveaxis(by_channel, 0, 2)
 
 
 @dataclass(frozen=True)
@@ -116,12 +128,14 @@ class Population:
         return tuple(dict.fromkeys(self.materials))
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
-        """Return f_r (n, members, channels) >= 0 in 1/sr at direction pairs (n, 3)."""
+        """Return f_r (n, members, channels), float32, >= 0 in 1/sr, at direction pairs (n, 3)."""
         return self.source.evaluate(wi, wo, self.pick)
 
     def log_values(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return ln max(f_r, VALUE_FLOOR), (n, members, channels)."""
-        return np.asarray(np.log(np.maximum(self.evaluate(wi, wo), VALUE_FLOOR)))
+        values = self.evaluate(wi, wo)
+        np.maximum(values, VALUE_FLOOR, out=values)
+        return np.asarray(np.log(values, out=values))
 
     def subset(self, names: Sequence[str]) -> Population:
         """Return only the members whose member or material name is in `names`."""
