@@ -1,7 +1,8 @@
 """Pictures of a BRDF as arrays: shaded spheres, slices, and colour from wavelengths.
 
     sphere = Sphere(64)
-    image = sphere.shade(table, studio())           # linear sRGB (64, 64, channels)
+    brdf = ForDisplay.of(table, table.wavelengths, table.channels)
+    image = sphere.shade(brdf, studio())           # linear sRGB (64, 64, 3), or one grey channel
 
 Anything with `evaluate(wi, wo)` can be shaded. `SpherePlan` shades thousands of tables on one
 grid; `to_rgb` turns spectral bands into linear sRGB. No files here, and no display: see
@@ -19,17 +20,33 @@ from brdfit.render.illumination import (
     studio,
 )
 from brdfit.render.plan import SpherePlan
+from brdfit.render.slices import IncidenceSlices, half_difference_image, incidence_slices
+from brdfit.render.spectral import (
+    ForDisplay,
+    display_matrix,
+    rgb_matrix,
+    shows_colour,
+    to_rgb,
+)
 from brdfit.render.sphere import Evaluable, Queries, Sphere
 
 __all__ = [
     "ILLUMINATIONS",
     "Evaluable",
+    "ForDisplay",
     "Illumination",
+    "IncidenceSlices",
     "Queries",
     "Rectangle",
     "Sphere",
     "SpherePlan",
     "area_studio",
+    "display_matrix",
+    "half_difference_image",
+    "incidence_slices",
     "point",
+    "rgb_matrix",
+    "shows_colour",
     "studio",
+    "to_rgb",
 ]
