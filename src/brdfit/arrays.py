@@ -13,16 +13,21 @@ import numpy.typing as npt
 from brdfit.errors import UsageError
 
 __all__ = [
+    "UNIT_TOLERANCE",
     "BoolArray",
     "FloatArray",
     "IntArray",
     "as_columns",
     "as_directions",
+    "as_unit_directions",
     "dot",
     "frozen",
     "normalize",
     "safe_arccos",
 ]
+
+UNIT_TOLERANCE = 1e-3
+"""How far the length of a unit vector may be from 1: figures rounded to three decimals."""
 
 FloatArray = npt.NDArray[np.floating[Any]]
 """An array of floats; shapes are given in each docstring."""
@@ -73,6 +78,26 @@ def as_directions(name: str, value: npt.ArrayLike) -> FloatArray:
         raise UsageError(
             f"{name}: found an array of shape {array.shape} but directions are unit vectors "
             f"of shape (n, 3), normal = +z. From angles use brdfit.directions_from_spherical."
+        )
+    return array
+
+
+def as_unit_directions(name: str, value: npt.ArrayLike) -> FloatArray:
+    """Return `value` as `as_directions` does; raise `UsageError` where a length is not 1.
+
+    A direction that is not finite passes: what it yields is NaN.
+    """
+    array = as_directions(name, value)
+    with np.errstate(invalid="ignore", over="ignore"):
+        length = np.sqrt(dot(array, array))
+    wrong = np.abs(length - 1.0) > UNIT_TOLERANCE
+    wrong &= np.isfinite(array).all(axis=1)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise UsageError(
+            f"{name}: found a vector of length {length[row]:g} in row {row} "
+            f"({int(wrong.sum())} such rows of {len(array)}) but directions are unit vectors. "
+            f"Divide each by its length."
         )
     return array
 

@@ -20,7 +20,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from brdfit.arrays import FloatArray, dot, normalize
+from brdfit.arrays import BoolArray, FloatArray, dot, normalize
+from brdfit.errors import UsageError
 
 __all__ = [
     "cos_incident_outgoing",
@@ -28,6 +29,7 @@ __all__ = [
     "directions_from_spherical",
     "half_diff_from_directions",
     "spherical_from_directions",
+    "split_by_horizon",
     "wrap_phi_d",
 ]
 
@@ -69,10 +71,14 @@ def half_diff_from_directions(
     have no half vector; the normal is taken.
     """
     wi, wo = np.broadcast_arrays(np.asarray(wi, float), np.asarray(wo, float))
-    wh = normalize(wi + wo)
+    both, apart = wi + wo, wi - wo
+    wh = normalize(both)
     opposite = dot(wh, wh) == 0.0
     if np.any(opposite):
         wh = np.where(opposite[..., None], np.array([0.0, 0.0, 1.0]), wh)
+
+    # wi and wo span 2 theta_d: |wi - wo| = 2 sin theta_d, |wi + wo| = 2 cos theta_d
+    theta_d = np.arctan2(np.sqrt(dot(apart, apart)), np.sqrt(dot(both, both)))
 
     # wh = (sin theta_h cos phi_h, sin theta_h sin phi_h, cos theta_h)
     sin_theta_h = np.hypot(wh[..., 0], wh[..., 1])
@@ -86,12 +92,10 @@ def half_diff_from_directions(
     along = cos_phi_h * wi[..., 0] + sin_phi_h * wi[..., 1]
     wd_x = cos_theta_h * along - sin_theta_h * wi[..., 2]
     wd_y = cos_phi_h * wi[..., 1] - sin_phi_h * wi[..., 0]
-    sin_theta_d = np.hypot(wd_x, wd_y)
 
     theta_h = np.arctan2(sin_theta_h, cos_theta_h)
-    theta_d = np.arctan2(sin_theta_d, dot(wi, wh))
     phi_d = np.mod(np.arctan2(wd_y, wd_x), 2.0 * np.pi)
-    at_pole = at_pole_h | (sin_theta_d < _POLE) | (phi_d >= 2.0 * np.pi)
+    at_pole = at_pole_h | (theta_d < _POLE) | (phi_d >= 2.0 * np.pi)
     return theta_h, theta_d, np.where(at_pole, 0.0, phi_d)
 
 
@@ -123,3 +127,15 @@ def cos_incident_outgoing(
     both = np.cos(theta_h) * np.cos(theta_d)
     apart = np.sin(theta_h) * np.sin(theta_d) * np.cos(phi_d)
     return np.asarray(both - apart), np.asarray(both + apart)
+
+
+def split_by_horizon(wi: FloatArray, wo: FloatArray) -> tuple[BoolArray, BoolArray]:
+    """Return (finite, above), each (n,), of direction pairs (n, 3).
+
+    `above`, a part of `finite`, is where a BRDF is defined: both strictly above the horizon.
+    Elsewhere it is 0 where the directions are finite, and unknown where they are not.
+    """
+    if len(wi) != len(wo):
+        raise UsageError(f"wi has {len(wi)} rows but wo has {len(wo)}: they must pair up.")
+    finite = np.isfinite(np.hstack([wi, wo])).all(axis=1)
+    return finite, finite & (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)

@@ -15,13 +15,21 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from brdfit.arrays import BoolArray, FloatArray, IntArray, as_columns, as_directions, dot, frozen
+from brdfit.arrays import (
+    UNIT_TOLERANCE,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    as_columns,
+    as_directions,
+    dot,
+    frozen,
+)
 from brdfit.errors import SampleError, UsageError
 from brdfit.geometry import half_diff_from_directions
 
 __all__ = ["Flag", "Samples", "Source", "default_channels"]
 
-_UNIT_TOLERANCE = 1e-3
 # Half a milliradian: directions closer than that are one direction to any instrument.
 _SAME_DIRECTION = 5e-4
 
@@ -307,7 +315,7 @@ def _flags(wi: FloatArray, wo: FloatArray, value: FloatArray) -> IntArray:
     below = (wi[:, 2] <= 0.0) | (wo[:, 2] <= 0.0)
     with np.errstate(invalid="ignore", over="ignore"):
         length = np.stack([np.sqrt(dot(w, w)) for w in (wi, wo)])
-    unit = (np.abs(length - 1.0) <= _UNIT_TOLERANCE).all(axis=0)
+    unit = (np.abs(length - 1.0) <= UNIT_TOLERANCE).all(axis=0)
     flags[finite_direction & below] |= int(Flag.BELOW_HORIZON)
     flags[finite_direction & ~unit] |= int(Flag.NOT_UNIT)
     unit_rows = np.flatnonzero(unit)

@@ -7,11 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from brdfit.arrays import BoolArray, FloatArray, IntArray, as_directions, frozen
+from brdfit.arrays import BoolArray, FloatArray, IntArray, as_unit_directions, frozen
 from brdfit.errors import UsageError
-from brdfit.geometry import half_diff_from_directions
+from brdfit.geometry import half_diff_from_directions, split_by_horizon
 from brdfit.grid import MERL_GRID, Grid
-from brdfit.samples import Source, default_channels
+from brdfit.samples import Source, name_channels
 
 __all__ = ["Table"]
 
@@ -47,20 +47,25 @@ class Table:
                 f"Table: found values of shape {values.shape} but the grid wants "
                 f"{self.grid.shape} and a last axis of channels."
             )
-        if not values.flags.writeable and values.flags.c_contiguous and values.base is None:
-            put(self, "values", values)
-        else:
-            put(self, "values", frozen(values))
-        n = values.shape[3]
-        if self.wavelengths is not None:
-            put(self, "wavelengths", frozen(np.atleast_1d(self.wavelengths), np.float64))
-        channels = tuple(self.channels) or default_channels(n, self.wavelengths)
-        if len(channels) != n:
-            raise UsageError(f"Table: found {len(channels)} channel names but {n} channels.")
-        put(self, "channels", channels)
+        if values.dtype.kind != "f":
+            values = values.astype(np.float64)
+        names, wavelengths = name_channels(
+            "Table", values.shape[3], self.channels, self.wavelengths
+        )
+        put(self, "channels", names)
+        put(self, "wavelengths", wavelengths)
+        # A read-only array that owns its memory was handed over: MERL tables are 35 MB each.
+        owned = not values.flags.writeable and values.flags.c_contiguous and values.base is None
+        put(self, "values", values if owned else frozen(values))
         valid = self.grid.above_horizon & np.isfinite(values).all(axis=3)
         if self.valid is not None:
-            valid = valid & np.asarray(self.valid, dtype=bool)
+            given = np.asarray(self.valid, dtype=bool)
+            if given.shape != self.grid.shape:
+                raise UsageError(
+                    f"Table: found a valid mask of shape {given.shape} but the grid wants "
+                    f"{self.grid.shape}."
+                )
+            valid = valid & given
         put(self, "valid", frozen(valid))
 
     @property
@@ -80,17 +85,22 @@ class Table:
         return int(np.count_nonzero(self.grid.above_horizon & ~self.mask))
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
-        """Return f_r (n, channels) at direction pairs (n, 3); 0 below the horizon.
+        """Return f_r (n, channels) at direction pairs (n, 3).
+
+        0 below the horizon, NaN where a direction is not finite. Raises `UsageError` for
+        vectors that are not of unit length.
 
         Trilinear between the valid nodes around the point, periodic across the phi_d
         seam. Where none of the eight is valid (a point within a cell of the horizon, or
         in a hole) the nearest valid cell answers; a table without any valid cell gives NaN.
         """
-        wi, wo = as_directions("wi", wi), as_directions("wo", wo)
-        index, weight = self.grid.corners(*half_diff_from_directions(wi, wo))
-        result = self.interpolate(index, weight)
-        above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
-        return np.where(above[:, None], result, 0.0)
+        wi, wo = as_unit_directions("wi", wi), as_unit_directions("wo", wo)
+        finite, above = split_by_horizon(wi, wo)
+        result = np.full((len(above), self.n_channels), np.nan)
+        result[finite] = 0.0
+        index, weight = self.grid.corners(*half_diff_from_directions(wi[above], wo[above]))
+        result[above] = self.interpolate(index, weight)
+        return result
 
     def interpolate(self, index: IntArray, weight: FloatArray) -> FloatArray:
         """Return values (n, channels) from `Grid.corners`, over the valid corners only."""
@@ -120,9 +130,13 @@ class Table:
         return index, share
 
     @cached_property
-    def _valid_neighbour(self) -> np.ndarray:
+    def _valid_neighbour(self) -> IntArray:
         # SciPy only here: most uses of a table never leave the valid cells.
         from scipy.ndimage import distance_transform_edt
 
-        near = distance_transform_edt(~self.mask, return_distances=False, return_indices=True)
-        return np.asarray(np.ravel_multi_index(tuple(near), self.grid.shape))
+        # Half a turn of phi_d on either side: the nearest cell may lie across the seam.
+        n = self.grid.n_phi_d
+        wrapped = np.concatenate([self.mask[..., n // 2 :], self.mask, self.mask[..., : n // 2]], 2)
+        near = distance_transform_edt(~wrapped, return_distances=False, return_indices=True)
+        i, j, k = near[..., n - n // 2 : 2 * n - n // 2]
+        return np.asarray(np.ravel_multi_index((i, j, (k - (n - n // 2)) % n), self.grid.shape))

@@ -83,7 +83,7 @@ def test_a_link_is_followed(tmp_path: Path) -> None:
 
 
 def test_a_missing_folder_is_named(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="no_such.*does not exist; create it first"):
+    with pytest.raises(UsageError, match=r"no_such.*does not exist; create it first"):
         write(tmp_path / "no_such" / "out.csv", "x")
 
 

@@ -10,8 +10,9 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from brdfit.arrays import BoolArray, FloatArray, as_directions
+from brdfit.arrays import BoolArray, FloatArray, as_unit_directions
 from brdfit.errors import UsageError
+from brdfit.geometry import split_by_horizon
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.outcome import Outcome
@@ -84,10 +85,15 @@ class Reconstruction:
         return np.asarray(used & (self.weights < self.outlier_threshold))
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
-        """Return f_r (n, channels), 1/sr, at direction pairs (n, 3); 0 below the horizon."""
-        wi, wo = as_directions("wi", wi), as_directions("wo", wo)
-        above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
-        result = np.zeros((len(wi), self.samples.n_channels))
+        """Return f_r (n, channels), 1/sr, at direction pairs (n, 3).
+
+        0 below the horizon, NaN where a direction is not finite. Raises `UsageError` for
+        vectors that are not of unit length.
+        """
+        wi, wo = as_unit_directions("wi", wi), as_unit_directions("wo", wo)
+        finite, above = split_by_horizon(wi, wo)
+        result = np.full((len(above), self.samples.n_channels), np.nan)
+        result[finite] = 0.0
         if above.any():
             result[above] = self.model.evaluate(wi[above], wo[above])
         return result
@@ -97,7 +103,7 @@ class Reconstruction:
 
         Raises `UsageError` for a method that does not know it.
         """
-        deviation = self.model.stddev(as_directions("wi", wi), as_directions("wo", wo))
+        deviation = self.model.stddev(as_unit_directions("wi", wi), as_unit_directions("wo", wo))
         if deviation is None:
             raise UsageError(
                 f"method {self.method.name!r} states no uncertainty; residuals and weights are "
