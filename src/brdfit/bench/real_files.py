@@ -1,0 +1,119 @@
+"""Real measurement files of a folder, one case per material, and how a case is split.
+
+A folder `DIR` holds one folder per laboratory: cornell/*.astm, rgl/*.bsdf (as the
+irregular samples that were measured), nist/*.csv, curet/*.dat (each of its materials a
+case). Folders that are missing are left out.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from brdfit.arrays import BoolArray, FloatArray
+from brdfit.bench.ledger import Record, figure
+from brdfit.errors import UsageError
+from brdfit.files import sha256_of_file
+from brdfit.samples import Samples
+
+__all__ = ["RealCase", "compare", "find_cases", "generator", "input_hashes", "read_case", "split"]
+
+_FOLDERS = {"cornell": "*.astm", "rgl": "*.bsdf", "nist": "*.csv", "curet": "*.dat"}
+
+
+@dataclass(frozen=True)
+class RealCase:
+    """One measured material: a file, or one material of a file."""
+
+    name: str
+    """Folder, file and material: stable, the key of records."""
+    path: Path
+    options: dict[str, Any] = field(default_factory=dict)
+    """What `read_samples` is told beside the path."""
+
+
+def find_cases(folder: Path) -> list[RealCase]:
+    """Return every case below `folder`, sorted by name.
+
+    Raises `UsageError` where there is none.
+    """
+    cases = []
+    for laboratory, pattern in _FOLDERS.items():
+        for path in sorted((folder / laboratory).glob(pattern)):
+            name = f"{laboratory}/{path.name}"
+            if laboratory == "curet":
+                cases += [
+                    RealCase(f"{name}#{material:02d}", path, {"material": material})
+                    for material in _curet_materials(path)
+                ]
+            else:
+                cases.append(RealCase(name, path))
+    if not cases:
+        looked = ", ".join(f"{name}/{pattern}" for name, pattern in _FOLDERS.items())
+        raise UsageError(
+            f"{folder}: found no measurements; looked for {looked}. Give the folder that holds "
+            f"these folders with --data."
+        )
+    return cases
+
+
+def _curet_materials(path: Path) -> list[int]:
+    numbers = {line.split(None, 1)[0] for line in path.read_text().splitlines() if line.strip()}
+    return sorted(int(number) for number in numbers)
+
+
+def read_case(case: RealCase) -> Samples:
+    """Read the samples of a case; what the reader warns of is counted in the records."""
+    import warnings
+
+    from brdfit.errors import BrdfitWarning
+    from brdfit.formats import read_samples
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", BrdfitWarning)
+        return read_samples(case.path, **case.options)
+
+
+def input_hashes(cases: list[RealCase]) -> dict[str, str]:
+    """Return the SHA-256 of each file, by laboratory and file name."""
+    paths = {f"{case.path.parent.name}/{case.path.name}": case.path for case in cases}
+    return {name: sha256_of_file(path) for name, path in sorted(paths.items())}
+
+
+def generator(seed: int, *key: str) -> np.random.Generator:
+    """Return random numbers that depend on the seed and the key, and on nothing else."""
+    digest = hashlib.sha256("|".join(key).encode()).digest()
+    return np.random.default_rng([seed, int.from_bytes(digest[:8], "little")])
+
+
+def split(samples: Samples, fraction: float, seed: int, name: str) -> tuple[Samples, Samples]:
+    """Return (to fit, held out): round(fraction n) of the n usable samples at random, the rest."""
+    rows = np.flatnonzero(samples.usable.any(axis=1))
+    order = generator(seed, name, "split").permutation(rows)
+    count = round(fraction * rows.size)
+    return samples.subset(np.sort(order[:count])), samples.subset(np.sort(order[count:]))
+
+
+def compare(held_out: Samples, predicted: FloatArray) -> Record:
+    """Return how far a prediction (n, channels) is from the held-out samples.
+
+    |delta ln f| over held-out values above zero. A censored one, zero or negative, has no
+    logarithm: it is left out and counted, as is a prediction that is not above zero.
+    """
+    wanted: BoolArray = held_out.positive
+    with np.errstate(invalid="ignore"):
+        answered = np.isfinite(predicted) & (predicted > 0.0)
+    both = wanted & answered
+    error = np.abs(np.log(predicted[both] / held_out.value[both]))
+    return {
+        "compared": int(both.sum()),
+        "censored": int(held_out.censored.sum()),
+        "missing": int(held_out.value.size - held_out.usable.sum()),
+        "without_prediction": int((wanted & ~answered).sum()),
+        "median": figure(np.median(error)) if error.size else None,
+        "mean": figure(error.mean()) if error.size else None,
+    }
