@@ -15,9 +15,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from brdfit.errors import (
     BrdfitError,
@@ -44,14 +43,13 @@ _PARSE_ERRORS = (ValueError, LookupError, ArithmeticError, EOFError, struct.erro
 _FEW = 10
 
 Path_ = str | os.PathLike[str]
-Read = TypeVar("Read", Samples, Table)
 
 
 @cache
 def list_formats() -> tuple[FormatSheet, ...]:
     """Return the data sheets of all formats, in the order in which content is sniffed."""
-    present = [f for f in _FOLDERS if find_spec(f"brdfit.formats.{f}") is not None]
-    return tuple(import_module(f"brdfit.formats.{folder}").SHEET for folder in present)
+    modules = [import_module(f"brdfit.formats.{folder}") for folder in _FOLDERS]
+    return tuple(module.SHEET for module in modules if hasattr(module, "SHEET"))
 
 
 def read_samples(path: Path_, *, format: str | None = None, **options: Any) -> Samples:
@@ -68,7 +66,7 @@ def read_samples(path: Path_, *, format: str | None = None, **options: Any) -> S
     Raises `FormatError` (`UnknownFormat`, `CorruptFile`) for the file and `UsageError` for
     the options.
     """
-    samples = _read(Path(path), format, options, _SAMPLES)
+    samples: Samples = _read(Path(path), format, options, _SAMPLES)
     _warn_about_quality(samples)
     warn_about_conventions(samples)
     return samples
@@ -79,7 +77,8 @@ def read_table(path: Path_, *, format: str | None = None, **options: Any) -> Tab
 
     Parameters and errors as for `read_samples`.
     """
-    return _read(Path(path), format, options, _TABLE)
+    table: Table = _read(Path(path), format, options, _TABLE)
+    return table
 
 
 def write_table(table: Table, path: Path_, *, format: str | None = None) -> None:

@@ -1,4 +1,4 @@
-"""Do the data contradict the convention they were read with?"""
+"""Find data that contradict the convention they were read with."""
 
 from __future__ import annotations
 
