@@ -22,13 +22,17 @@ if TYPE_CHECKING:
     from brdfit.formats import read_table as read_table
     from brdfit.formats import write_samples as write_samples
     from brdfit.formats import write_table as write_table
+    from brdfit.populations import Population as Population
+    from brdfit.populations import population as population
     from brdfit.samples import Samples as Samples
 
 # public name -> module that defines it
 _HOME = {
     "BrdfitError": "errors",
+    "Population": "populations",
     "Samples": "samples",
     "list_formats": "formats",
+    "population": "populations",
     "read_samples": "formats",
     "read_table": "formats",
     "write_samples": "formats",

@@ -11,14 +11,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.errors import PopulationError
+from brdfit.grid import Grid
 
-__all__ = ["VALUE_FLOOR", "MemberSource", "Population", "member_values"]
+__all__ = ["VALUE_FLOOR", "MemberSource", "Population", "TabulatedSource", "member_values"]
 
 VALUE_FLOOR = 1e-4
 """1/sr. Logarithms of population values are taken of max(f_r, VALUE_FLOOR).
@@ -62,6 +63,17 @@ class MemberSource(Protocol):
         float32, finite, 0 below the horizon. The array is laid out by channel: each
         `[:, :, channel]` is a C-contiguous (n, len(pick)) array (see `member_values`).
         """
+
+
+@runtime_checkable
+class TabulatedSource(Protocol):
+    """What a `MemberSource` offers besides, if reading a member is what costs.
+
+    Columns of such a source are built member by member.
+    """
+
+    def cell_values(self, member: int, grid: Grid, cells: IntArray) -> FloatArray:
+        """Return f_r (len(cells), channels) of one member at flat cells of a grid."""
 
 
 def member_values(by_channel: FloatArray) -> FloatArray:

@@ -18,7 +18,6 @@ import io
 import os
 import zipfile
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path, PurePosixPath
 from types import ModuleType
 
