@@ -1,0 +1,37 @@
+"""`brdfit bench`: run a benchmark by name."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from importlib import import_module
+
+from brdfit.cli.console import Console
+from brdfit.cli.parser import Command, Parser, add_commands
+
+BENCHMARKS = {
+    "holdout": "Fit a part of real measurements, predict the rest.",
+    "paper": "Every table of the published method, on a population of choice.",
+}
+"""Benchmark -> one sentence. Its module is `brdfit.bench.<name>`."""
+
+
+def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
+    """Add the benchmarks; the one that `rest` names is imported."""
+    commands = [Command(name, text, _filler(name)) for name, text in BENCHMARKS.items()]
+    add_commands(parser, commands, rest, "benchmark")
+
+
+def _filler(name: str):  # type: ignore[no-untyped-def]
+    def fill(parser: Parser, rest: Sequence[str]) -> None:
+        module = import_module(f"brdfit.bench.{name}")
+        module.add_arguments(parser)
+        parser.set_defaults(benchmark=module.run)
+
+    return fill
+
+
+def run(arguments: argparse.Namespace, console: Console) -> None:
+    """Run the benchmark with a progress bar."""
+    with console.progress() as progress:
+        arguments.benchmark(arguments, progress, console.say)

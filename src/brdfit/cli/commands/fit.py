@@ -1,0 +1,179 @@
+"""`brdfit fit`: measurements in, the complete BRDF and its doubts out."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from brdfit.cli.console import Console
+from brdfit.cli.declaration import add_reading_options, reading_options
+from brdfit.cli.parser import Parser
+from brdfit.cli.settings import add_settings, given_settings, pick
+from brdfit.errors import UsageError
+
+if TYPE_CHECKING:
+    from brdfit.reconstruct.result import Method, Reconstruction
+    from brdfit.report.fit_outputs import FitOutputs
+    from brdfit.samples import Samples
+
+_NOT_OPTIONS = ("population",)
+
+
+def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
+    """Add what `brdfit fit` takes; the method named in `rest` decides some of it."""
+    parser.add_argument("samples", type=Path, metavar="SAMPLES", help="File of measurements.")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="OUT",
+        help="Table to write: .binary (MERL, R G B) or .npz (all channels). A .png, a .json and a "
+        ".csv appear beside it.",
+    )
+    add_method_options(parser, rest)
+    add_reading_options(parser)
+
+
+def add_method_options(parser: Parser, rest: Sequence[str]) -> None:
+    """Add --method, --basis, and the options of the method that `rest` names."""
+    from brdfit.reconstruct import METHODS
+
+    default = next(iter(METHODS))
+    named = _typed_method(rest)
+    try:
+        key = default if named is None else pick(named, METHODS)
+    except UsageError as error:
+        parser.typed = ()
+        parser.error(str(error))
+    parser.add_argument(
+        "--method",
+        default=default,
+        metavar="NAME",
+        help=f"One of {', '.join(METHODS)} (default: {default}). Each has settings of its own: "
+        f"--method NAME --help.",
+    )
+    parser.add_argument(
+        "--basis",
+        default="published",
+        metavar="NAME|PATH",
+        help="Population to lean on: published, a folder of MERL .binary files or a zip of decoded "
+        "networks (default: published).",
+    )
+    parser.add_argument(
+        "--without",
+        metavar="MATERIALS",
+        help="Leave these materials of the population out, separated by commas.",
+    )
+    add_settings(parser.add_argument_group(f"settings of {key}"), METHODS[key], _NOT_OPTIONS)
+
+
+def _typed_method(rest: Sequence[str]) -> str | None:
+    for word, after in zip(rest, [*rest[1:], ""], strict=True):
+        if word == "--method":
+            return after
+        if word.startswith("--method="):
+            return word.split("=", 1)[1]
+    return None
+
+
+def run(arguments: argparse.Namespace, console: Console) -> None:
+    """Read, fit, report, write."""
+    from brdfit.formats import read_samples
+    from brdfit.report.fit_outputs import FitPaths
+
+    # Before any work: is there a place for the result?
+    paths = FitPaths.beside(arguments.output, inputs=[arguments.samples])
+    options = reading_options(arguments)
+    samples = read_samples(arguments.samples, **options)
+    method = method_from(arguments)
+    context = {"command": "fit", "reading": {k: str(v) for k, v in options.items()}}
+    fit_and_write(samples, method, paths, console, context)
+
+
+def method_from(arguments: argparse.Namespace) -> Method:
+    """Return the method with its settings and population, as typed."""
+    from brdfit.populations import population
+    from brdfit.reconstruct import METHODS
+
+    settings: dict[str, Any] = given_settings(arguments)
+    kind = METHODS[pick(arguments.method, METHODS)]
+    if "population" in kind.__dataclass_fields__:
+        chosen = population(arguments.basis)
+        if arguments.without:
+            names = [name.strip() for name in arguments.without.split(",")]
+            chosen = chosen.without(names)
+        settings["population"] = chosen
+    elif arguments.without or arguments.basis != "published":
+        raise UsageError(f"--method {arguments.method}: leans on no population; leave out --basis.")
+    method: Method = kind(**settings)
+    return method
+
+
+def fit_and_write(
+    samples: Samples,
+    method: Method,
+    paths: Any,
+    console: Console,
+    context: dict[str, Any],
+) -> tuple[Reconstruction, FitOutputs]:
+    """Report on `samples`, fit them, write the outputs, and say how it all ended."""
+    from brdfit.cli.summary import samples_lines
+    from brdfit.reconstruct import fit
+    from brdfit.report.fit_outputs import write_fit
+
+    for line in samples_lines(samples):
+        console.say(line)
+    with console.progress() as progress:
+        result = fit(samples, method=method, progress=progress)
+    for line in result_lines(result):
+        console.say(line)
+    if not result.outcome.ok:
+        console.warn("FitWarning", f"{result.outcome.value}: {result.outcome.advice}")
+    with console.progress() as progress:
+        context = {**context, "warnings": list(console.warnings)}
+        outputs = write_fit(result, paths, context=context, progress=progress)
+    if outputs.conversion.kind != "none":
+        console.say(f"  channels    {outputs.conversion}")
+    console.say(f"wrote {paths.table}")
+    for path in paths.all()[1:]:
+        console.say(f"      {path}")
+    return result, outputs
+
+
+def result_lines(result: Reconstruction) -> list[str]:
+    """Return how the fit ended, what it takes for outliers, and the residuals."""
+    from brdfit.cli.summary import first_rows
+
+    record = result.record()
+    lines = [f"fit by {result.method.name}{_leaning(result)}"]
+    after = f" after {result.iterations} iterations" if result.iterations else ""
+    lines.append(f"  ended       {result.outcome.value}{after}. {result.outcome.advice}")
+    count = int(result.outliers.sum())
+    used = int(result.samples.usable.any(axis=1).sum())
+    where = f": {first_rows(result.samples, result.outliers)}" if count else ""
+    lines.append(f"  outliers    {count} of {used} samples ({count / max(used, 1):.1%}){where}")
+    before, now, clean = (
+        record["residuals"][key] for key in ("before", "after", "after_without_outliers")
+    )
+    lines.append(
+        f"  residuals   median |ln(value / result)| {_number(before)} before, {_number(now)} after "
+        f"({_number(clean)} without the outliers)"
+    )
+    return lines
+
+
+def _leaning(result: Reconstruction) -> str:
+    name = result.population.get("name")
+    if not name:
+        return ""
+    members = result.population.get("members")
+    count = members if isinstance(members, int) else len(members or ())
+    return f", leaning on {name}" + (f" ({count} members)" if count else "")
+
+
+def _number(summary: dict[str, Any]) -> str:
+    median = summary["median_abs"]
+    return "-" if median is None else f"{median:.3g}"

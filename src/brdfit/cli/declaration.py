@@ -1,0 +1,91 @@
+"""Options that say what the columns of a file mean; the same words as in a TOML sidecar."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from brdfit.errors import UsageError
+
+__all__ = ["add_reading_options", "reading_options"]
+
+_PREFIX = "read:"
+
+
+def add_reading_options(parser: argparse.ArgumentParser, title: str = "reading") -> None:
+    """Add --format and the declaration of columns to `parser`."""
+    group = parser.add_argument_group(
+        title,
+        "What the file is and what its columns mean. Needed only where the file does not say "
+        "it; a TOML file beside the data (name.csv.toml) may say the same.",
+    )
+
+    def add(*names: str, to: str = "", **keywords: Any) -> None:
+        dest = _PREFIX + (to or names[0].removeprefix("--").replace("-", "_"))
+        group.add_argument(*names, dest=dest, default=argparse.SUPPRESS, **keywords)
+
+    add("--format", metavar="NAME", help="Format by name, in place of sniffing the content.")
+    add(
+        "--directions",
+        metavar="COLUMNS",
+        help="Columns of the directions, by name or position, separated by commas: "
+        "theta_i,phi_i,theta_o,phi_o or theta_h,theta_d,phi_d or six vector components.",
+    )
+    add("--values", metavar="COLUMNS", help="Columns of f_r in 1/sr, one for each channel.")
+    add("--sigma", metavar="COLUMNS", help="Columns of the standard deviation of the values.")
+    add(
+        "--coordinates",
+        choices=["spherical", "relative", "half_difference", "vectors"],
+        help="What the direction columns are, where their number does not tell.",
+    )
+    unit = group.add_mutually_exclusive_group()
+    for name in ("degrees", "radians"):
+        unit.add_argument(
+            f"--{name}",
+            dest=_PREFIX + "angles",
+            action="store_const",
+            const=name,
+            default=argparse.SUPPRESS,
+            help=f"Angles are in {name}.",
+        )
+    add(
+        "--light",
+        choices=["first", "second"],
+        help="Which of the two directions points toward the light (default: first).",
+    )
+    add(
+        "--cosine-weighted",
+        action="store_const",
+        const=True,
+        help="Values are f_r times the cosine of the detector's polar angle.",
+    )
+    add(
+        "--wavelength",
+        "--wavelengths",
+        to="wavelengths",
+        metavar="NM",
+        help="Wavelength of each channel in nm, separated by commas.",
+    )
+    add("--channels", metavar="NAMES", help="Names of the channels, separated by commas.")
+    add("--flags", metavar="COLUMN", help="Column that marks wrong measurements (not 0).")
+    add(
+        "--material",
+        metavar="NAME",
+        help="Which material, in a file or folder that holds several.",
+    )
+
+
+def reading_options(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the keyword options of `read_samples` and `read_table` that were typed."""
+    return {
+        name.removeprefix(_PREFIX): value
+        for name, value in vars(arguments).items()
+        if name.startswith(_PREFIX)
+    }
+
+
+def refuse_reading_options(arguments: argparse.Namespace, what: str) -> None:
+    """Raise `UsageError` if a declaration was typed where it can mean nothing."""
+    given = [name for name in reading_options(arguments) if name != "format"]
+    if given:
+        raise UsageError(f"{what}: --{given[0]} declares columns, which a table does not have.")

@@ -1,0 +1,57 @@
+"""Read a file without knowing whether it holds samples or a table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from brdfit.errors import BrdfitError
+
+if TYPE_CHECKING:
+    from brdfit.samples import Samples
+    from brdfit.table import Table
+
+__all__ = ["Kind", "read_any"]
+
+Kind = Literal["samples", "table"]
+
+
+def read_any(path: Path, options: dict[str, Any], first: Kind = "samples") -> Samples | Table:
+    """Return what `path` holds; `first` wins where it holds both (an RGL file does).
+
+    If neither can be read the error of the kind that its format has is raised.
+    """
+    from brdfit.formats import read_samples, read_table
+
+    readers: dict[Kind, Callable[..., Samples | Table]] = {
+        "samples": read_samples,
+        "table": read_table,
+    }
+    second: Kind = "table" if first == "samples" else "samples"
+    order = [kind for kind in (first, second) if _offers(path, options.get("format"), kind)]
+    error: BrdfitError | None = None
+    for kind in order or [first]:
+        try:
+            return readers[kind](path, **options)
+        except BrdfitError as problem:
+            error = error or problem
+    assert error is not None
+    raise error
+
+
+def _offers(path: Path, format: str | None, kind: Kind) -> bool:
+    """Whether the format of `path` can hold this kind; True where the format is not known."""
+    from brdfit.formats import list_formats
+    from brdfit.formats.sheet import HEAD_BYTES
+
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(HEAD_BYTES)
+    except OSError:
+        # The reader says what is wrong with the path.
+        return True
+    for sheet in list_formats():
+        if sheet.name == format or (format is None and sheet.sniff(path, head)):
+            return getattr(sheet, f"read_{kind}") is not None
+    return True

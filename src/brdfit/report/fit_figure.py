@@ -1,0 +1,226 @@
+"""The picture of a fit: spheres, slices with the measurements on them, an image slice.
+
+    point light      area studio      half/difference image slice
+    plane-of-incidence slices at three angles of the light, with the measurements
+
+Drawn with the object interface of matplotlib: no window, no global state.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from brdfit.arrays import BoolArray, FloatArray, IntArray
+from brdfit.geometry import spherical_from_directions
+from brdfit.progress import Progress, silent
+from brdfit.reconstruct.result import Reconstruction
+from brdfit.report.coverage import Coverage
+from brdfit.samples import Samples
+from brdfit.table import Table
+from brdfit.tone import display_image, exposure_scale, srgb_encode
+
+__all__ = ["Slice", "draw_fit", "slices_of"]
+
+_SPHERE_SIZE = 192
+_PICTURE_LIGHTS = ("point", "area_studio")
+# How far a measurement may lie from the plane and the angle of a slice and be drawn on it.
+_PLANE = np.radians(5.0)
+_ANGLE = np.radians(3.0)
+_USUAL = np.radians([15.0, 45.0, 65.0])
+_INK = "#222222"
+_OUTLIER = "#d02020"
+
+
+@dataclass(frozen=True)
+class Slice:
+    """A plane of incidence: one angle of the light, the samples that lie on it."""
+
+    theta_i: float
+    """Polar angle of the light, radians."""
+    theta_o: FloatArray
+    """(m,) signed polar angle of the other direction, radians; > 0 on the mirror side."""
+    rows: IntArray
+    """(m,) which samples these are."""
+
+
+def slices_of(samples: Samples) -> tuple[Slice, ...]:
+    """Return the three planes of incidence that the most samples lie on, by angle.
+
+    A sample lies on a slice if its directions are within 5 degrees of one plane through the
+    normal, and its light (or, by reciprocity, its detector) within 3 degrees of the angle.
+    """
+    used = samples.usable.any(axis=1)
+    theta_i, signed_o, planar_i = _in_plane(samples.wi, samples.wo)
+    theta_o, signed_i, planar_o = _in_plane(samples.wo, samples.wi)
+    rows = np.arange(len(samples))
+    fixed = np.concatenate([theta_i, theta_o])
+    free = np.concatenate([signed_o, signed_i])
+    both = np.concatenate([rows, rows])
+    keep = np.concatenate([planar_i & used, planar_o & used])
+    fixed, free, both = fixed[keep], free[keep], both[keep]
+    chosen = []
+    for angle in _busiest(fixed):
+        near = np.abs(fixed - angle) < _ANGLE
+        chosen.append(Slice(float(angle), free[near], both[near]))
+    return tuple(chosen)
+
+
+def _in_plane(fixed: FloatArray, free: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return (theta of fixed, signed theta of free, whether the two share a plane)."""
+    theta_fixed, phi_fixed = spherical_from_directions(fixed)
+    theta_free, phi_free = spherical_from_directions(free)
+    turn = phi_free - phi_fixed
+    off = np.minimum(np.sin(theta_fixed), np.sin(theta_free)) * np.abs(np.sin(turn))
+    signed = np.where(np.cos(turn) < 0.0, theta_free, -theta_free)
+    return theta_fixed, signed, off < np.sin(_PLANE)
+
+
+def _busiest(theta: FloatArray, count: int = 3) -> list[float]:
+    """Return `count` angles at least 12 degrees apart, those with the most samples first."""
+    chosen: list[float] = []
+    width = np.radians(1.0)
+    bins, number = np.unique(np.rint(theta / width).astype(int), return_counts=True)
+    low, high = np.radians(8.0), np.radians(80.0)
+    for index in np.argsort(-number, kind="stable"):
+        angle = float(bins[index] * width)
+        if low <= angle <= high and all(abs(angle - other) > np.radians(12.0) for other in chosen):
+            chosen.append(angle)
+    chosen += [a for a in _USUAL if all(abs(a - other) > np.radians(12.0) for other in chosen)]
+    return sorted(chosen[:count])
+
+
+def draw_fit(
+    result: Reconstruction,
+    rgb: Table,
+    coverage: Coverage | None,
+    path: Path,
+    progress: Progress = silent,
+) -> None:
+    """Draw the fit into the PNG `path`; `rgb` is its table in R, G, B."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(12.0, 7.6), dpi=100, layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
+    halves: Any = figure.subfigures(2, 1, height_ratios=(1.05, 1.0))
+    top, bottom = halves
+    axes = top.subplots(1, 3)
+    for index, light in enumerate(_PICTURE_LIGHTS):
+        progress("drawing", index, 4)
+        _draw_sphere(axes[index], rgb, light)
+    progress("drawing", 2, 4)
+    _draw_image_slice(axes[2], rgb, result.samples)
+    progress("drawing", 3, 4)
+    slices = slices_of(result.samples)
+    for ax, one in zip(bottom.subplots(1, 3), slices, strict=True):
+        _draw_slice(ax, result, one)
+    figure.suptitle(_title(result, coverage), fontsize=11, x=0.01, ha="left", color=_INK)
+    figure.savefig(path, format="png")
+    progress("drawing", 4, 4)
+
+
+def _title(result: Reconstruction, coverage: Coverage | None) -> str:
+    used = int(result.samples.usable.any(axis=1).sum())
+    share = "" if coverage is None else f", {coverage.share:.0%} of the domain within reach"
+    return (
+        f"{result.samples.source.name}: {used} samples used{share}; "
+        f"{int(result.outliers.sum())} taken for outliers; "
+        f"{result.method.name}, {result.outcome.value}"
+    )
+
+
+def _draw_sphere(ax: Any, rgb: Table, light: str) -> None:
+    from brdfit.render import ILLUMINATIONS, Sphere
+
+    ax.set_axis_off()
+    ax.set_title(f"sphere, {light.replace('_', ' ')}", fontsize=10, color=_INK)
+    sphere = Sphere(_SPHERE_SIZE)
+    linear = sphere.shade(rgb, ILLUMINATIONS[light]())
+    if not np.any(linear[sphere.mask] > 0.0):
+        ax.text(0.5, 0.5, "black", ha="center", va="center")
+        return
+    picture = display_image(linear, exposure_scale(linear, sphere.mask))
+    picture[~sphere.mask] = 1.0
+    ax.imshow(picture, interpolation="nearest")
+
+
+def _draw_image_slice(ax: Any, rgb: Table, samples: Samples) -> None:
+    """Draw the table at phi_d = 90 degrees, and where the samples are."""
+    ax.set_title(
+        "table at phi_d = 90\N{DEGREE SIGN}, samples of all phi_d", fontsize=10, color=_INK
+    )
+    ax.set_xlabel("theta_h (square-root scale)", fontsize=9)
+    ax.set_ylabel("theta_d", fontsize=9)
+    middle = rgb.grid.n_phi_d // 2
+    plane = rgb.values[:, :, middle, :].astype(np.float64)
+    valid = rgb.mask[:, :, middle]
+    # Shown as the cube root: a lobe and the diffuse floor both stay visible.
+    level = np.percentile(plane[valid], 99.0) if valid.any() else 1.0
+    picture = srgb_encode(np.clip(plane / max(level, 1e-12), 0.0, 1.0) ** (2.2 / 3.0))
+    picture[~valid] = 1.0
+    ax.imshow(
+        picture.transpose(1, 0, 2),
+        origin="lower",
+        extent=(0.0, 1.0, 0.0, 90.0),
+        aspect="auto",
+        interpolation="nearest",
+    )
+    theta_h, theta_d, _ = samples.half_diff
+    used = samples.usable.any(axis=1)
+    x = np.sqrt(theta_h[used] / (np.pi / 2))
+    size = float(np.clip(2000.0 / max(len(x), 1), 0.3, 6.0))
+    ax.scatter(x, np.degrees(theta_d[used]), s=size, c="white", edgecolors="black", linewidths=0.2)
+    ticks = np.array([0, 5, 15, 30, 60, 90])
+    ax.set_xticks(np.sqrt(ticks / 90.0), [f"{tick}\N{DEGREE SIGN}" for tick in ticks], fontsize=8)
+    ax.tick_params(labelsize=8)
+    ax.set_xlim(0.0, 1.0)
+    ax.set_ylim(0.0, 90.0)
+
+
+def _draw_slice(ax: Any, result: Reconstruction, one: Slice) -> None:
+    from brdfit.render import incidence_slices
+
+    curve = incidence_slices(result, (float(np.degrees(one.theta_i)),), samples=357)
+    outlier = result.outliers[one.rows]
+    degrees = np.degrees(one.theta_o)
+    for channel, colour in _shown_channels(result.samples):
+        line = curve.values[0, :, channel]
+        ax.plot(np.degrees(curve.theta_o), line, color=colour, linewidth=1.2)
+        measured = result.samples.value[one.rows, channel]
+        good = result.samples.positive[one.rows, channel] & ~outlier
+        ax.plot(degrees[good], measured[good], ".", color=colour, markersize=3.5, alpha=0.8)
+        bad = result.samples.positive[one.rows, channel] & outlier
+        ax.plot(degrees[bad], measured[bad], "x", color=_OUTLIER, markersize=5, alpha=0.9)
+    ax.axvline(np.degrees(one.theta_i), color="#999999", linewidth=0.6, linestyle=":")
+    ax.set_yscale("log")
+    ax.set_xlim(-90.0, 90.0)
+    ax.set_xticks(np.arange(-90, 91, 30))
+    ax.set_title(
+        f"theta_i = {np.degrees(one.theta_i):.0f}\N{DEGREE SIGN}, plane of incidence",
+        fontsize=10,
+        color=_INK,
+    )
+    ax.set_xlabel("theta_o (degrees; mirror side > 0)", fontsize=9)
+    ax.set_ylabel("f_r (1/sr)", fontsize=9)
+    ax.tick_params(labelsize=8)
+    ax.grid(color="#dddddd", linewidth=0.5)
+
+
+def _shown_channels(samples: Samples) -> list[tuple[int, str]]:
+    """Return at most three channels and the colours to draw them in."""
+    n = samples.n_channels
+    if n == 1:
+        return [(0, _INK)]
+    if n == 3 and samples.wavelengths is None:
+        return [(0, "#c03030"), (1, "#208030"), (2, "#2050c0")]
+    if samples.wavelengths is None:
+        return [(c, colour) for c, colour in enumerate(("#222222", "#777777", "#aaaaaa")[:n])]
+    near = {
+        int(np.argmin(np.abs(samples.wavelengths - wavelength))): colour
+        for wavelength, colour in ((620.0, "#c03030"), (540.0, "#208030"), (460.0, "#2050c0"))
+    }
+    return list(near.items())

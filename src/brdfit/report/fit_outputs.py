@@ -1,0 +1,144 @@
+"""What a fit leaves on disk: the table, and beside it a picture, a record and the samples.
+
+    out.binary     the complete BRDF
+    out.png        spheres, slices with the measurements
+    out.json       everything a script needs
+    out.csv        the samples with their weight and residual
+
+The four appear together or not at all.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from brdfit.errors import UsageError
+from brdfit.grid import MERL_GRID, Grid
+from brdfit.progress import Progress, silent
+from brdfit.reconstruct.result import Reconstruction
+from brdfit.report.coverage import Coverage, coverage_of
+from brdfit.report.file_set import write_set
+from brdfit.report.fit_figure import draw_fit
+from brdfit.report.rgb import Conversion, rgb_table
+from brdfit.report.samples_csv import write_samples_csv
+
+__all__ = ["FitOutputs", "FitPaths", "write_fit"]
+
+_COLOUR_ONLY = "merl"
+
+
+@dataclass(frozen=True)
+class FitPaths:
+    """Where the four files go."""
+
+    table: Path
+    picture: Path
+    record: Path
+    samples: Path
+
+    @classmethod
+    def beside(cls, table: Path, inputs: Collection[Path] = ()) -> FitPaths:
+        """Return the paths for a table, none of which is one of `inputs`.
+
+        A file beside the table that would replace an input gets `.fit` before its suffix.
+        Raises `UsageError` if the table itself would, if its folder is missing, or if its
+        suffix names no format that tables can be written in.
+        """
+        _table_format(table)
+        if not table.parent.is_dir():
+            raise UsageError(
+                f"{table}: the folder {str(table.parent)!r} does not exist. Make it first, or name "
+                f"another one."
+            )
+        taken = {path.resolve() for path in inputs}
+        if table.resolve() in taken:
+            raise UsageError(f"{table}: is the input; the output must be another file.")
+
+        def free(suffix: str) -> Path:
+            path = table.with_suffix(suffix)
+            return table.with_suffix(f".fit{suffix}") if path.resolve() in taken else path
+
+        return cls(table, free(".png"), free(".json"), free(".csv"))
+
+    def all(self) -> tuple[Path, ...]:
+        """Return the four, the table first."""
+        return (self.table, self.picture, self.record, self.samples)
+
+
+@dataclass(frozen=True)
+class FitOutputs:
+    """What was written, and what it cost."""
+
+    paths: FitPaths
+    conversion: Conversion
+    """How the table in the file came to its channels; "none" where they were kept."""
+    record: dict[str, Any]
+    """The content of the JSON file."""
+
+
+def write_fit(
+    result: Reconstruction,
+    paths: FitPaths,
+    *,
+    context: Mapping[str, Any] | None = None,
+    grid: Grid = MERL_GRID,
+    progress: Progress = silent,
+) -> FitOutputs:
+    """Write the four files of a fit.
+
+    `context` (the command's options, warnings so far, ...) goes into the record as it is.
+    """
+    from brdfit.formats import write_table
+
+    full = result.table(grid, progress)
+    rgb, conversion = rgb_table(full)
+    written, cost = full, Conversion("none", full.n_channels)
+    if _table_format(paths.table) == _COLOUR_ONLY:
+        written, cost = rgb, conversion
+    coverage = coverage_of(result.samples)
+    record = _record(result, paths, cost, coverage, context or {})
+    writers: dict[Path, Callable[[Path], object]] = {
+        paths.table: lambda aside: write_table(written, aside),
+        paths.picture: lambda aside: draw_fit(result, rgb, coverage, aside, progress),
+        paths.record: lambda aside: aside.write_text(json.dumps(record, indent=1) + "\n"),
+        paths.samples: lambda aside: write_samples_csv(result, aside),
+    }
+    write_set(writers)
+    return FitOutputs(paths, cost, record)
+
+
+def _table_format(path: Path) -> str:
+    """Return the name of the format that tables are written in under this suffix."""
+    from brdfit.formats import list_formats
+
+    able = [sheet for sheet in list_formats() if sheet.write_table is not None]
+    for sheet in able:
+        if path.suffix.lower() in sheet.extensions:
+            return sheet.name
+    known = ", ".join(f"{' '.join(sheet.extensions)} ({sheet.title})" for sheet in able)
+    raise UsageError(
+        f"{path.name}: the suffix {path.suffix!r} names no format that a table can be written "
+        f"in. There are: {known}."
+    )
+
+
+def _record(
+    result: Reconstruction,
+    paths: FitPaths,
+    conversion: Conversion,
+    coverage: Coverage | None,
+    context: Mapping[str, Any],
+) -> dict[str, Any]:
+    names = ("table", "picture", "record", "samples")
+    return {
+        "schema": "brdfit.fit/1",
+        **result.record(),
+        "coverage": None if coverage is None else coverage.record(),
+        "channels_written": conversion.record(),
+        "outputs": {name: path.name for name, path in zip(names, paths.all(), strict=True)},
+        **context,
+    }
