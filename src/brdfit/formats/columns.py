@@ -63,8 +63,11 @@ class Guess:
     ignored: tuple[str, ...]
 
 
-def guess_columns(names: Sequence[str]) -> Guess | str:
-    """Return what the column names mean, or why that is not clear."""
+def guess_columns(names: Sequence[str], values_declared: bool = False) -> Guess | str:
+    """Return what the column names mean, or why that is not clear.
+
+    Where the values were declared only the directions are guessed.
+    """
     plain, units = zip(*(_fold(name) for name in names), strict=True) if names else ((), ())
     if len(set(plain)) != len(plain):
         return "two columns have the same name"
@@ -87,7 +90,7 @@ def guess_columns(names: Sequence[str]) -> Guess | str:
     hints = {units[place] for place in places} - {""}
     if len(hints) > 1:
         return "the angle columns name different units"
-    values = _values(plain, set(places))
+    values = [] if values_declared else _values(plain, set(places))
     if isinstance(values, str):
         return values
     sigma = _sigma(plain, values)

@@ -26,7 +26,7 @@ def declare(
     """
     if "directions" in options and "values" in options:
         return Declaration.from_options(options, file), []
-    guess = guess_columns(names)
+    guess = guess_columns(names, values_declared="values" in options)
     if isinstance(guess, str):
         raise UsageError(_ambiguous(file, f"the columns are not clear: {guess}", names, guess))
     merged: dict[str, Any] = {**_guessed(guess, options), **options}
@@ -59,7 +59,7 @@ def _guessed(guess: Guess, options: Mapping[str, Any]) -> dict[str, Any]:
 def _said(guess: Guess, names: Sequence[str]) -> str:
     directions = ", ".join(names[int(column) - 1] for column in guess.directions)
     values = ", ".join(names[int(column) - 1] for column in guess.values)
-    return f"{guess.coordinates} from {directions}; values from {values}"
+    return f"{guess.coordinates} from {directions}" + (f"; values from {values}" if values else "")
 
 
 def _ambiguous(file: str, reason: str, names: Sequence[str], guess: Guess | str) -> str:
