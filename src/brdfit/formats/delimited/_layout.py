@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from brdfit.errors import CorruptFile, UsageError
+from brdfit.errors import CorruptFile, NotThisFormat, UsageError
 from brdfit.formats.columns import guess_columns
 from brdfit.formats.text import NumberedLine, TextFile, parse_number, split_fields
 
@@ -65,10 +65,10 @@ def layout_of(text: TextFile, options: Mapping[str, Any]) -> Layout:
     header = split_fields(data[0][1], delimiter)
     if _is_header(options.get("header"), header, width):
         if len(header) != width and not (len(header) == width + 1 and not header[-1]):
-            raise CorruptFile(
+            raise NotThisFormat(
                 f"{text.name}, line {data[0][0]}: the header names {len(header)} columns but the "
-                f"rows have {width} fields. Correct the header, or declare columns by position "
-                f"with header = false after removing it."
+                f"rows have {width} fields; correct the header, or remove it and declare the "
+                f"columns by position"
             )
         names = tuple(name or str(place) for place, name in enumerate(header[:width], start=1))
         return Layout(delimiter, decimal, names, True, tuple(data[1:]), notes)
