@@ -14,15 +14,35 @@ from __future__ import annotations
 from brdfit.populations.cache import cache_folder, remember
 from brdfit.populations.columns import Columns, columns
 from brdfit.populations.contract import VALUE_FLOOR, MemberSource, Population
+from brdfit.populations.fetch import fetch
 from brdfit.populations.front import population
+from brdfit.populations.upkeep import (
+    CheckReport,
+    Cleared,
+    Finding,
+    PopulationInfo,
+    build,
+    check,
+    clear,
+    list_populations,
+)
 
 __all__ = [
     "VALUE_FLOOR",
+    "CheckReport",
+    "Cleared",
     "Columns",
+    "Finding",
     "MemberSource",
     "Population",
+    "PopulationInfo",
+    "build",
     "cache_folder",
+    "check",
+    "clear",
     "columns",
+    "fetch",
+    "list_populations",
     "population",
     "remember",
 ]

@@ -100,7 +100,7 @@ class _Builder:
             }
             for path, crc32 in zip(self._files, self._crc32, strict=True)
         ]
-        record = {"columns": self._store.facts, "files": files}
+        record = {"source": self._source.name, "columns": self._store.facts, "files": files}
         (self._files[0].parent / MANIFEST).write_text(json.dumps(record))
 
     def _evaluate_rows(self, start: int) -> None:

@@ -13,8 +13,8 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from io import BufferedReader
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,16 @@ from brdfit.grid import Grid
 from brdfit.populations.cache import cache_folder
 from brdfit.populations.contract import VALUE_FLOOR, MemberSource
 
-__all__ = ["CHUNK", "FLOAT", "MANIFEST", "Store", "checksums", "intact", "stored_cells"]
+__all__ = [
+    "CHUNK",
+    "FLOAT",
+    "MANIFEST",
+    "Store",
+    "checksums",
+    "columns_folder",
+    "intact",
+    "stored_cells",
+]
 
 CHUNK = 4096
 """Rows that are written, and have their checksum, together."""
@@ -38,6 +47,11 @@ FLOAT = np.dtype("<f4")
 _VERSION = 1
 # Rows so near each other are read in one piece, and no piece is longer.
 _GAP, _PIECE = 8, 4096
+
+
+def columns_folder() -> Path:
+    """Return the folder of all stores."""
+    return cache_folder("columns")
 
 
 def stored_cells(grid: Grid, bilateral: bool) -> tuple[IntArray, IntArray]:
@@ -64,10 +78,9 @@ class Store:
 
     @cached_property
     def folder(self) -> Path:
-        """The folder, whether it exists or not; its name carries the content's key."""
+        """The folder, whether it exists or not; it is named by the content it must have."""
         text = json.dumps([self.source.fingerprint, self.grid.shape, VALUE_FLOOR, _VERSION])
-        safe = "".join(char if char.isalnum() else "_" for char in Path(self.source.name).name)
-        return cache_folder("columns") / f"{safe[:40]}-{sha256_of_bytes(text.encode())[:16]}"
+        return columns_folder() / sha256_of_bytes(text.encode())[:24]
 
     @cached_property
     def members(self) -> int:
@@ -80,7 +93,6 @@ class Store:
         cells, _ = stored_cells(self.grid, self.source.bilateral)
         return {
             "version": _VERSION,
-            "source": self.source.name,
             "fingerprint": self.source.fingerprint,
             "grid": list(self.grid.shape),
             "floor": VALUE_FLOOR,
