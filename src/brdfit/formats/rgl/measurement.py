@@ -35,6 +35,8 @@ from brdfit.formats.rgl.container import read_fields
 __all__ = ["Measurement", "measurement_from_bytes"]
 
 _HORIZON_TOLERANCE = 1e-3
+# Along one axis; a damaged shape must not make an outer product of two long axes.
+_MOST_NODES = 4096
 
 
 @dataclass(frozen=True)
@@ -122,14 +124,19 @@ class _Fields:
             )
         return array.astype(np.float64)
 
-    def not_negative(self, name: str, shape: tuple[int | None, ...]) -> FloatArray:
-        """Return finite floats >= 0 that can be interpolated in their last two axes."""
+    def lattice(self, name: str, shape: tuple[int | None, ...]) -> FloatArray:
+        """Return floats that can be interpolated in their last two axes."""
         array = self.floats(name, shape)
-        if min(array.shape[-2:]) < 2:
+        if min(array.shape[-2:]) < 2 or max(array.shape[-2:]) > _MOST_NODES:
             raise CorruptFile(
-                f"{self.file}: field {name!r} has the shape {array.shape} but at least 2 x 2 nodes "
-                f"are needed to interpolate."
+                f"{self.file}: field {name!r} has the shape {array.shape} but from 2 x 2 to "
+                f"{_MOST_NODES} x {_MOST_NODES} nodes were expected in the last two dimensions."
             )
+        return array
+
+    def not_negative(self, name: str, shape: tuple[int | None, ...]) -> FloatArray:
+        """Return a lattice of finite values >= 0."""
+        array = self.lattice(name, shape)
         wrong = np.count_nonzero(~(np.isfinite(array) & (array >= 0.0)))
         if wrong:
             raise CorruptFile(
@@ -165,12 +172,7 @@ def _values(fields: _Fields, t: int) -> tuple[FloatArray, FloatArray | None]:
     wavelengths = fields.floats("wavelengths", (None,)) if spectral else None
     channels = 3 if wavelengths is None else wavelengths.size
     name = "spectra" if spectral else "rgb"
-    values = fields.floats(name, (1, t, channels, None, None))[0]
-    if min(values.shape[2:]) < 2:
-        raise CorruptFile(
-            f"{fields.file}: field {name!r} has {values.shape[2]} x {values.shape[3]} nodes but "
-            f"at least 2 x 2 are needed."
-        )
+    values = fields.lattice(name, (1, t, channels, None, None))[0]
     return np.ascontiguousarray(values.transpose(0, 2, 3, 1)), wavelengths
 
 

@@ -84,14 +84,16 @@ class Parameterisation:
     def _between_nodes(
         self, index: IntArray, fraction: FloatArray, s_x: FloatArray, s_y: FloatArray
     ) -> FloatArray:
-        values = self.measurement.values
-        i, u = split(s_x, values.shape[2])
-        j, v = split(s_y, values.shape[1])
-        result = np.zeros((len(s_x), values.shape[3]))
+        _, r, k, channels = self.measurement.values.shape
+        nodes = self.measurement.values.reshape(-1, channels)
+        i, u = split(s_x, k)
+        j, v = split(s_y, r)
+        result = np.zeros((len(s_x), channels))
         for at, in_t in ((index, 1.0 - fraction), (index + 1, fraction)):
             for row, in_y in ((j, 1.0 - v), (j + 1, v)):
                 for column, in_x in ((i, 1.0 - u), (i + 1, u)):
-                    result += (in_t * in_y * in_x)[:, None] * values[at, row, column]
+                    node = (at * r + row) * k + column
+                    result += (in_t * in_y * in_x)[:, None] * nodes.take(node, axis=0)
         return result
 
     def _scale(

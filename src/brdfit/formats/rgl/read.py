@@ -103,6 +103,7 @@ def read_table(path: Path, *, extrapolate: bool = False) -> Table:
         )
     return Table(
         values,
+        grid=MERL_GRID,
         valid=valid.reshape(MERL_GRID.shape),
         wavelengths=measurement.wavelengths,
         source=_source(path, content, measurement, notes),
