@@ -18,6 +18,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from brdfit.errors import (
     BrdfitError,
     CorruptFile,
@@ -48,8 +50,7 @@ Path_ = str | os.PathLike[str]
 @cache
 def list_formats() -> tuple[FormatSheet, ...]:
     """Return the data sheets of all formats, in the order in which content is sniffed."""
-    modules = [import_module(f"brdfit.formats.{folder}") for folder in _FOLDERS]
-    return tuple(module.SHEET for module in modules if hasattr(module, "SHEET"))
+    return tuple(import_module(f"brdfit.formats.{folder}").SHEET for folder in _FOLDERS)
 
 
 def read_samples(path: Path_, *, format: str | None = None, **options: Any) -> Samples:
@@ -247,7 +248,8 @@ def _write(writer: Callable[[Any, Path], Any], what: Samples | Table, path: Path
 
 def _warn_about_quality(samples: Samples) -> None:
     name, n = samples.source.name, len(samples)
-    unusable = ~samples.usable.any(axis=1)
+    # rejected rows are no news: the file or the user said so
+    unusable = ~samples.usable.any(axis=1) & ((samples.bits & int(Flag.REJECTED)) == 0)
     if unusable.any():
         lost = samples.subset(unusable).flag_counts()
         for unrelated in (Flag.CENSORED, Flag.DUPLICATE, Flag.PARTLY_MISSING):
@@ -263,9 +265,10 @@ def _warn_about_quality(samples: Samples) -> None:
             f"they are kept and flagged."
         )
         warnings.warn(message, DataQualityWarning, stacklevel=3)
-    if n - int(unusable.sum()) < _FEW:
+    usable = int(np.count_nonzero(samples.usable.any(axis=1)))
+    if usable < _FEW:
         message = (
-            f"{name}: only {n - int(unusable.sum())} usable samples. A reconstruction will "
+            f"{name}: only {usable} usable samples. A reconstruction will "
             f"lean almost wholly on its population; measure more directions."
         )
         warnings.warn(message, DataQualityWarning, stacklevel=3)

@@ -34,7 +34,7 @@ SHEET = FormatSheet(
     convention=CONVENTION,
     sniff=_sniff,
     read_samples=read_samples,
-    options=("material", "directions"),
+    options=("material", "directions_file"),
     competes_for=("delimited",),
 )
 """The data sheet."""

@@ -26,12 +26,12 @@ _TABLE = "table.txt"
 
 
 def read_samples(
-    path: Path, *, material: int | str | None = None, directions: str | Path | None = None
+    path: Path, *, material: int | str | None = None, directions_file: str | Path | None = None
 ) -> Samples:
     """Read one material.
 
     Parameters: `material`, its number (the first field of its row; may be left out where
-    the file has one); `directions`, the file of the directions, `table.txt` beside `path`
+    the file has one); `directions_file`, where the directions are, `table.txt` beside `path`
     if left out.
 
     The row of a sample is its number in the table of directions.
@@ -52,7 +52,7 @@ def read_samples(
             f"{DIRECTIONS + 1} numbers are needed (its number and {DIRECTIONS} values). "
             f"The file looks truncated or damaged; copy it again."
         )
-    beside = Path(directions) if directions is not None else path.with_name(_TABLE)
+    beside = Path(directions_file) if directions_file is not None else path.with_name(_TABLE)
     angles, understood = _directions(beside, text.name)
     theta_v, phi_v, theta_i, phi_i = angles.T
     notes = [f"material {key} of {len(data)}", f"directions from {beside.name}"]
@@ -83,7 +83,7 @@ def _directions(path: Path, values: str) -> tuple[FloatArray, BoolArray]:
     if not path.is_file():
         raise FormatError(
             f"{path.name}: not found, but {values} needs the table of CUReT's {DIRECTIONS} "
-            f"directions. Put table.txt beside it, or name it with directions=...."
+            f"directions. Put table.txt beside it, or name it with directions_file=...."
         )
     table = read_text(path)
     data = [item for item in table.lines if item[1].strip()]
