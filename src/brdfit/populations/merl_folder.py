@@ -39,7 +39,8 @@ CHANNELS = ("R", "G", "B")
 
 # Raise it when a change of the evaluation changes values.
 _VERSION = 1
-_BLOCK = 2048
+# Directions of a block: eight corners each, for all members, are in memory at once.
+_BLOCK = 8192
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,14 @@ import os
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from io import BufferedReader
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from brdfit.arrays import FloatArray, IntArray
+from brdfit.arrays import FloatArray, IntArray, frozen
 from brdfit.errors import PopulationError
 from brdfit.files import sha256_of_bytes
 from brdfit.grid import Grid
@@ -45,8 +45,8 @@ FLOAT = np.dtype("<f4")
 
 # Raise it when the layout of the files, or what is stored in them, changes.
 _VERSION = 1
-# Rows so near each other are read in one piece, and no piece is longer.
-_GAP, _PIECE = 8, 4096
+# Bytes: reading a gap of that size costs less than a read of its own; no piece is longer.
+_GAP, _PIECE = 1 << 15, 1 << 22
 
 
 def columns_folder() -> Path:
@@ -54,19 +54,21 @@ def columns_folder() -> Path:
     return cache_folder("columns")
 
 
+@lru_cache(maxsize=8)
 def stored_cells(grid: Grid, bilateral: bool) -> tuple[IntArray, IntArray]:
     """Return (cells, expand): which flat cells are stored, and where to find the others.
 
     `expand` (grid.cells.size,) is the position in `cells` of each of `grid.cells`. Where
     f(phi_d) = f(pi - phi_d), half the azimuths say it all: node k equals node n - k.
     """
-    if not bilateral:
-        return grid.cells, np.arange(grid.cells.size)
     i, j, k = np.unravel_index(grid.cells, grid.shape)
-    mirrored = np.minimum(k, (grid.n_phi_d - k) % grid.n_phi_d)
-    representative = np.ravel_multi_index((i, j, mirrored), grid.shape)
-    cells, expand = np.unique(representative, return_inverse=True)
-    return cells, expand
+    if bilateral:
+        k = np.minimum(k, (grid.n_phi_d - k) % grid.n_phi_d)
+    representative = np.ravel_multi_index((i, j, k), grid.shape)
+    is_stored = np.zeros(grid.size, dtype=bool)
+    is_stored[representative] = True
+    position = np.cumsum(is_stored) - 1
+    return frozen(np.flatnonzero(is_stored)), frozen(position[representative])
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +124,7 @@ class Store:
         ascending = index[order]
         width = self.members * FLOAT.itemsize
         with self._open(channel) as stream:
-            for first, last in _runs(ascending):
+            for first, last in _runs(ascending, width):
                 low, high = int(ascending[first]), int(ascending[last - 1]) + 1
                 rows = self._values(stream, low * width, (high - low) * self.members)
                 yield order[first:last], rows.reshape(-1, self.members)[ascending[first:last] - low]
@@ -148,12 +150,13 @@ class Store:
         return values
 
 
-def _runs(ascending: IntArray) -> Iterator[tuple[int, int]]:
-    """Yield [first, last) of neighbouring rows that are read in one piece."""
+def _runs(ascending: IntArray, width: int) -> Iterator[tuple[int, int]]:
+    """Yield [first, last) of the rows, `width` bytes each, that are read in one piece."""
+    gap, piece = max(1, _GAP // width), max(1, _PIECE // width)
     first = 0
-    for last in [*(np.flatnonzero(np.diff(ascending) > _GAP) + 1), ascending.size]:
+    for last in [*(np.flatnonzero(np.diff(ascending) > gap) + 1), ascending.size]:
         while first < last:
-            limit = np.searchsorted(ascending, ascending[first] + _PIECE)
+            limit = np.searchsorted(ascending, ascending[first] + piece)
             end = min(int(limit), int(last))
             yield first, end
             first = end
