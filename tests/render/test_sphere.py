@@ -182,3 +182,16 @@ def test_a_finer_area_studio_lights_a_matte_sphere_the_same():
     sphere, matte = Sphere(16), Lambert(0.5, 0.5, 0.5)
     a, b = sphere.shade(matte, coarse), sphere.shade(matte, fine)
     np.testing.assert_allclose(a, b, rtol=2e-2, atol=2e-3 * b.max())
+
+
+def test_a_plan_refuses_a_surround_and_says_what_to_use():
+    with pytest.raises(UsageError, match=r"'area_studio' has a surround .* Sphere\.shade"):
+        SpherePlan.build(Sphere(8), area_studio(), COARSE)
+
+
+def test_shading_tells_its_progress_from_the_first_pixel_to_the_last():
+    heard = []
+    sphere = Sphere(16)
+    sphere.shade(Lambert(0.5), studio(), lambda *told: heard.append(told))
+    assert heard[0] == ("shading", 0, len(sphere.normal))
+    assert heard[-1] == ("shading", len(sphere.normal), len(sphere.normal))

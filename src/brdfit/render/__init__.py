@@ -11,6 +11,7 @@ grid; `to_rgb` turns spectral bands into linear sRGB. No files here, and no disp
 
 from __future__ import annotations
 
+from brdfit.render.albedo import Evaluable, directional_albedo
 from brdfit.render.illumination import (
     ILLUMINATIONS,
     Illumination,
@@ -28,7 +29,7 @@ from brdfit.render.spectral import (
     shows_colour,
     to_rgb,
 )
-from brdfit.render.sphere import Evaluable, Queries, Sphere
+from brdfit.render.sphere import Queries, Sphere
 
 __all__ = [
     "ILLUMINATIONS",
@@ -41,6 +42,7 @@ __all__ = [
     "Sphere",
     "SpherePlan",
     "area_studio",
+    "directional_albedo",
     "display_matrix",
     "half_difference_image",
     "incidence_slices",

@@ -6,7 +6,7 @@ since pictures are exposed before they are looked at.
 
     studio        40 directions; the one that defines the perceptual error
     point         one white light, above and left of the camera
-    area_studio   three rectangular area lights and a dim surround, for pictures
+    area_studio   three rectangular area lights and a dim even surround, for pictures
 """
 
 from __future__ import annotations
@@ -27,17 +27,19 @@ _STUDIO_KEYS = (0, 18, 24, 29, 31)
 
 @dataclass(frozen=True, eq=False)
 class Illumination:
-    """Distant lights, frozen.
+    """Distant lights and an even surround, frozen.
 
     | name         | shape  | unit and range                                             |
     |--------------|--------|------------------------------------------------------------|
     | `direction`  | (n, 3) | unit vectors toward the light, view coordinates            |
     | `irradiance` | (n, 3) | linear sRGB on a surface that faces the light, >= 0        |
+    | `surround`   | 3      | linear sRGB radiance from everywhere, >= 0                 |
     """
 
     name: str
     direction: FloatArray
     irradiance: FloatArray
+    surround: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         direction = np.asarray(self.direction, dtype=np.float64)
@@ -62,9 +64,12 @@ def studio() -> Illumination:
     and (1.5, 1.4, 1.2) more for k in {0, 18, 24, 29, 31}.
     """
     k = np.arange(_STUDIO_LIGHTS)
-    irradiance = np.repeat(0.15 * (1.0 + 0.5 * _fibonacci(_STUDIO_LIGHTS)[:, 1:2]), 3, axis=1)
+    y = 1.0 - 2.0 * (k + 0.5) / _STUDIO_LIGHTS
+    ring, azimuth = np.sqrt(1.0 - y * y), _GOLDEN_ANGLE * k
+    direction = np.stack([ring * np.cos(azimuth), y, ring * np.sin(azimuth)], axis=1)
+    irradiance = np.repeat(0.15 * (1.0 + 0.5 * y)[:, None], 3, axis=1)
     irradiance[np.isin(k, _STUDIO_KEYS)] += (1.5, 1.4, 1.2)
-    return Illumination("studio", _fibonacci(_STUDIO_LIGHTS), irradiance)
+    return Illumination("studio", direction, irradiance)
 
 
 def point(elevation: float = 30.0) -> Illumination:
@@ -103,40 +108,26 @@ class Rectangle:
         return normalize(at), solid_angle[:, None] * np.asarray(self.radiance)
 
 
-# Key light above left, a narrow strip on the right, a broad weak one from below.
+# Key light above left, a narrow strip on the right, a weak one from below.
 _KEY = Rectangle((-0.8, 0.9, 0.9), 0.7, 0.7, (6.0, 5.8, 5.4))
 _STRIP = Rectangle((1.0, 0.25, 0.55), 0.25, 1.2, (4.5, 4.8, 5.4))
-_FILL = Rectangle((0.1, -1.0, 0.5), 1.2, 0.3, (1.0, 1.0, 1.0))
-_SURROUND_LIGHTS = 48
-_SURROUND = 0.12
+_FILL = Rectangle((0.1, -1.0, 0.5), 0.9, 0.25, (1.5, 1.5, 1.5))
+_SURROUND = (0.12, 0.12, 0.12)
 
 
-def area_studio(spacing: float = 0.06) -> Illumination:
+def area_studio(spacing: float = 0.085) -> Illumination:
     """Return three rectangular area lights and a dim even surround.
 
     `spacing`, in radians, is the distance between the points that stand for an area: a
     lobe narrower than that shows them one by one.
     """
-    direction, irradiance = [_fibonacci(_SURROUND_LIGHTS)], []
-    share = 4.0 * np.pi / _SURROUND_LIGHTS
-    irradiance.append(np.full((_SURROUND_LIGHTS, 3), _SURROUND * share))
-    for rectangle in (_KEY, _STRIP, _FILL):
-        toward, amount = rectangle.lights(spacing)
-        direction.append(toward)
-        irradiance.append(amount)
-    return Illumination("area_studio", np.concatenate(direction), np.concatenate(irradiance))
+    lights = [rectangle.lights(spacing) for rectangle in (_KEY, _STRIP, _FILL)]
+    direction, irradiance = (np.concatenate(parts) for parts in zip(*lights, strict=True))
+    return Illumination("area_studio", direction, irradiance, _SURROUND)
 
 
 ILLUMINATIONS = {"studio": studio, "point": point, "area_studio": area_studio}
 """Built-in illuminations: name -> function without required arguments."""
-
-
-def _fibonacci(n: int) -> FloatArray:
-    k = np.arange(n)
-    y = 1.0 - 2.0 * (k + 0.5) / n
-    ring = np.sqrt(1.0 - y * y)
-    azimuth = _GOLDEN_ANGLE * k
-    return np.stack([ring * np.cos(azimuth), y, ring * np.sin(azimuth)], axis=1)
 
 
 def _midpoints(extent: float, spacing: float) -> FloatArray:

@@ -17,7 +17,7 @@ from brdfit.errors import UsageError
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.render.illumination import Illumination
-from brdfit.render.sphere import Queries, Sphere, channel_irradiance
+from brdfit.render.sphere import Queries, Sphere, in_channels
 from brdfit.table import Table
 
 if TYPE_CHECKING:
@@ -46,7 +46,15 @@ class SpherePlan:
     def build(
         cls, sphere: Sphere, illumination: Illumination, grid: Grid = MERL_GRID
     ) -> SpherePlan:
-        """Return the plan for tables on `grid` in which every cell above the horizon is valid."""
+        """Return the plan for tables on `grid` in which every cell above the horizon is valid.
+
+        Raises `UsageError` for an illumination with a surround: the plan knows lights only.
+        """
+        if any(illumination.surround):
+            raise UsageError(
+                f"SpherePlan: illumination {illumination.name!r} has a surround but a plan holds "
+                f"directional lights only. Use Sphere.shade, or an illumination without one."
+            )
         queries = sphere.directions(illumination)
         # The table is only asked which cells answer; its values are never looked at.
         blank = Table(values=np.zeros(grid.shape, dtype=np.float32), grid=grid)
@@ -59,7 +67,7 @@ class SpherePlan:
         # A corner of weight zero may be any cell: point it at one that exists.
         column[weight <= 0.0] = 0
         n = len(sphere.normal)
-        amounts = np.hstack([illumination.irradiance, channel_irradiance(illumination, 1)])
+        amounts = np.hstack([illumination.irradiance, in_channels(illumination.irradiance, 1)])
         red, green, blue, grey = (
             _operator(queries, column, weight, amount, (n, cells.size)) for amount in amounts.T
         )

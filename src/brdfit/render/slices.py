@@ -18,7 +18,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray
 from brdfit.geometry import directions_from_half_diff, directions_from_spherical
-from brdfit.render.sphere import Evaluable
+from brdfit.render.albedo import Evaluable
 
 __all__ = ["IncidenceSlices", "half_difference_image", "incidence_slices"]
 

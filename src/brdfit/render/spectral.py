@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from brdfit.arrays import FloatArray
 from brdfit.errors import UsageError
-from brdfit.render.sphere import Evaluable
+from brdfit.render.albedo import Evaluable
 from brdfit.tone import colour_library, three_channels
 
 __all__ = ["ForDisplay", "display_matrix", "rgb_matrix", "shows_colour", "to_rgb"]

@@ -6,7 +6,8 @@ n = (x, y, sqrt(1 - x^2 - y^2)) and, for lights of direction l and irradiance E,
 
     L = sum_l f_r(wi, wo) E max(n . l, 0)
 
-with wi and wo in the frame of n. The BRDF is isotropic, so any frame about n serves.
+with wi and wo in the frame of n. The BRDF is isotropic, so any frame about n serves. An
+even surround of radiance S adds S times the directional albedo at the pixel's theta_o.
 """
 
 from __future__ import annotations
@@ -14,27 +15,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray, IntArray, dot, frozen
 from brdfit.errors import UsageError
+from brdfit.progress import Progress, silent
+from brdfit.render.albedo import Evaluable, directional_albedo
 from brdfit.render.illumination import Illumination
 from brdfit.tone import LUMINANCE
 
-__all__ = ["Evaluable", "Queries", "Sphere", "channel_irradiance"]
+__all__ = ["Queries", "Sphere", "in_channels"]
 
-_CHUNK = 200_000
+# Pairs at a time: enough to amortise a call, few enough to stay in cache.
+_CHUNK = 40_000
 # A light this close to a pixel's horizon gives it nothing; the BRDF there may be anything.
 _HORIZON = 1e-6
-
-
-class Evaluable(Protocol):
-    """Anything that answers for pairs of directions: a table, a model, a reconstruction."""
-
-    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
-        """Return f_r (n, channels), 1/sr, at direction pairs (n, 3)."""
+_ALBEDO_ANGLES = 40
 
 
 class Queries(NamedTuple):
@@ -97,24 +95,43 @@ class Sphere:
         return np.stack([tangent, np.cross(n, tangent), n], axis=1)
 
     def directions(self, illumination: Illumination) -> Queries:
-        """Return all that the sphere asks of a BRDF under `illumination`."""
+        """Return all that the sphere asks of a BRDF under the lights of `illumination`.
+
+        The surround is not among them: it is no direction.
+        """
         chunks = list(self._chunks(illumination, len(self.normal)))
         return chunks[0]
 
-    def shade(self, brdf: Evaluable, illumination: Illumination) -> FloatArray:
+    def shade(
+        self, brdf: Evaluable, illumination: Illumination, progress: Progress = silent
+    ) -> FloatArray:
         """Return the linear image (size, size, channels), 0 beside the disk.
 
         Three channels are lit by the light's R, G and B; any other number by the light's
         luminance, so that monochrome data stay grey.
         """
+        total = len(self.normal)
         per_chunk = max(1, _CHUNK // max(len(illumination), 1))
         disk: list[FloatArray] = []
+        progress("shading", 0, total)
         for queries in self._chunks(illumination, per_chunk):
             value = brdf.evaluate(queries.wi, queries.wo)
-            amount = channel_irradiance(illumination, value.shape[1])[queries.light]
+            amount = in_channels(illumination.irradiance, value.shape[1])[queries.light]
             light = value * amount * queries.cosine[:, None]
-            disk.append(_sum_by(queries.pixel, light, min(per_chunk, len(self.normal))))
-        return self.image(np.concatenate(disk)[: len(self.normal)])
+            disk.append(_sum_by(queries.pixel, light, per_chunk))
+            progress("shading", min(len(disk) * per_chunk, total), total)
+        shaded = np.concatenate(disk)[:total]
+        if any(illumination.surround):
+            surround = np.asarray(illumination.surround)[None, :]
+            shaded += in_channels(surround, shaded.shape[1]) * self._albedo(brdf)
+        return self.image(shaded)
+
+    def _albedo(self, brdf: Evaluable) -> FloatArray:
+        # It depends on theta_o alone: a few angles, then interpolation in cos theta_o.
+        cosine = np.linspace(0.02, 1.0, _ALBEDO_ANGLES)
+        albedo = directional_albedo(brdf, cosine)
+        columns = [np.interp(self.normal[:, 2], cosine, column) for column in albedo.T]
+        return np.stack(columns, axis=1)
 
     def image(self, disk: FloatArray) -> FloatArray:
         """Return (size, size, channels) from values (pixels, channels) of the disk."""
@@ -133,12 +150,11 @@ class Sphere:
             yield Queries(wi, wo, pixel, light, wi[:, 2])
 
 
-def channel_irradiance(illumination: Illumination, channels: int) -> FloatArray:
-    """Return the irradiance (lights, channels) that lights values of that many channels."""
+def in_channels(light: FloatArray, channels: int) -> FloatArray:
+    """Return light (n, 3), linear sRGB, as it lights values of that many channels."""
     if channels == 3:
-        return illumination.irradiance
-    grey = dot(illumination.irradiance, np.asarray(LUMINANCE))
-    return np.repeat(grey[:, None], channels, axis=1)
+        return light
+    return np.repeat(dot(light, np.asarray(LUMINANCE))[:, None], channels, axis=1)
 
 
 def _sum_by(group: IntArray, value: FloatArray, n: int) -> FloatArray:
