@@ -5,11 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from brdfit.errors import UsageError
-
 __all__ = ["add_reading_options", "reading_options"]
 
 _PREFIX = "read:"
+_OTHERS = "other reader options"
 
 
 def add_reading_options(parser: argparse.ArgumentParser, title: str = "reading") -> None:
@@ -60,32 +59,52 @@ def add_reading_options(parser: argparse.ArgumentParser, title: str = "reading")
         help="Values are f_r times the cosine of the detector's polar angle.",
     )
     add(
-        "--wavelength",
         "--wavelengths",
-        to="wavelengths",
-        metavar="NM",
+        metavar="NM,...",
         help="Wavelength of each channel in nm, separated by commas.",
     )
     add("--channels", metavar="NAMES", help="Names of the channels, separated by commas.")
     add("--flags", metavar="COLUMN", help="Column that marks wrong measurements (not 0).")
+    add("--material", metavar="NAME", help="Which material, in a file that holds several.")
     add(
-        "--material",
-        metavar="NAME",
-        help="Which material, in a file or folder that holds several.",
+        "--wavelength",
+        type=float,
+        metavar="NM",
+        help="Read only this wavelength, from a file that holds several (NIST).",
+    )
+    group.add_argument(
+        "--option",
+        dest=_OTHERS,
+        action="append",
+        type=_named_value,
+        default=argparse.SUPPRESS,
+        metavar="NAME=VALUE",
+        help="Any other option of the format's reader, such as delimiter=; or half=true; may be "
+        "repeated. docs/formats.md lists them.",
     )
 
 
 def reading_options(arguments: argparse.Namespace) -> dict[str, Any]:
     """Return the keyword options of `read_samples` and `read_table` that were typed."""
-    return {
+    given = {
         name.removeprefix(_PREFIX): value
         for name, value in vars(arguments).items()
         if name.startswith(_PREFIX)
     }
+    return given | dict(getattr(arguments, _OTHERS, []))
 
 
-def refuse_reading_options(arguments: argparse.Namespace, what: str) -> None:
-    """Raise `UsageError` if a declaration was typed where it can mean nothing."""
-    given = [name for name in reading_options(arguments) if name != "format"]
-    if given:
-        raise UsageError(f"{what}: --{given[0]} declares columns, which a table does not have.")
+def _named_value(text: str) -> tuple[str, Any]:
+    """Return (name, value) of NAME=VALUE; numbers, true and false are read as such."""
+    name, equals, word = text.partition("=")
+    if not (name.strip() and equals):
+        raise argparse.ArgumentTypeError(f"found {text!r} but expected NAME=VALUE")
+    words: dict[str, Any] = {"true": True, "false": False, "none": None}
+    if word.lower() in words:
+        return name.strip(), words[word.lower()]
+    for kind in (int, float):
+        try:
+            return name.strip(), kind(word)
+        except ValueError:
+            continue
+    return name.strip(), word

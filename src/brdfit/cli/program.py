@@ -76,9 +76,12 @@ def build_parser(words: Sequence[str]) -> Parser:
 
 class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        from importlib.metadata import version
+        from importlib.metadata import PackageNotFoundError, version
 
-        print(f"brdfit {version('brdfit')}")
+        try:
+            print(f"brdfit {version('brdfit')}")
+        except PackageNotFoundError:
+            print("brdfit, from a source tree that is not installed")
         parser.exit()
 
 

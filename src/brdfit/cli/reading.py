@@ -17,8 +17,8 @@ __all__ = ["Kind", "read_any"]
 Kind = Literal["samples", "table"]
 
 
-def read_any(path: Path, options: dict[str, Any], first: Kind = "samples") -> Samples | Table:
-    """Return what `path` holds; `first` wins where it holds both (an RGL file does).
+def read_any(path: Path, options: dict[str, Any], first: Kind) -> Samples | Table:
+    """Return what `path` holds; `first` wins where it can be read as both.
 
     If neither can be read the error of the kind that its format has is raised.
     """

@@ -14,7 +14,7 @@ from brdfit.samples import Samples
 
 __all__ = ["NEAR", "Coverage", "coverage_of"]
 
-NEAR = 10.0
+NEAR = 5.0
 """Degrees in half/difference coordinates within which a sample speaks for a direction."""
 
 _NODES = Grid(30, 30, 36)

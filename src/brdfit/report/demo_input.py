@@ -46,6 +46,10 @@ class DemoInput:
     floor: float
     seed: int
 
+    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return f_r (n, 3), 1/sr, of what was measured."""
+        return np.asarray(self.reference.evaluate(wi, wo)[:, 0, :])
+
 
 def demo_input(
     material: str = DEMO_MATERIAL,

@@ -25,6 +25,7 @@ from brdfit.report.file_set import write_set
 from brdfit.report.fit_figure import draw_fit
 from brdfit.report.rgb import Conversion, rgb_table
 from brdfit.report.samples_csv import write_samples_csv
+from brdfit.table import Table
 
 __all__ = ["FitOutputs", "FitPaths", "write_fit"]
 
@@ -74,6 +75,8 @@ class FitOutputs:
     """What was written, and what it cost."""
 
     paths: FitPaths
+    table: Table
+    """The table as it is in the file."""
     conversion: Conversion
     """How the table in the file came to its channels; "none" where they were kept."""
     record: dict[str, Any]
@@ -108,7 +111,7 @@ def write_fit(
         paths.samples: lambda aside: write_samples_csv(result, aside),
     }
     write_set(writers)
-    return FitOutputs(paths, cost, record)
+    return FitOutputs(paths, written, cost, record)
 
 
 def _table_format(path: Path) -> str:

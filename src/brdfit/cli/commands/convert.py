@@ -61,8 +61,6 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
                 f"sample it at directions of your own: brdfit evaluate {source} --at DIRECTIONS.csv"
             )
         write_table(_fitting(content, sheet, console), target)
-    if sheet.loses:
-        console.say(f"  note        {sheet.title} loses: {sheet.loses}")
     console.say(f"wrote {target} ({kind}, {sheet.name})")
 
 

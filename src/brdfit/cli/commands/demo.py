@@ -13,6 +13,7 @@ from brdfit.cli.parser import Parser
 if TYPE_CHECKING:
     from brdfit.reconstruct.result import Reconstruction
     from brdfit.report.demo_input import DemoInput
+    from brdfit.table import Table
 
 _INPUT = "demo-paint.csv"
 
@@ -56,28 +57,24 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     method = method_from(arguments)
     samples = read_samples(source)
     context = {"command": "demo", "generated_from": demo.member, "seed": demo.seed}
-    result, _ = fit_and_write(samples, method, paths, console, context)
+    result, outputs = fit_and_write(samples, method, paths, console, context)
     console.say()
-    for line in _against_the_truth(demo, result):
+    for line in _against_the_truth(demo, result, outputs.table):
         console.say(line)
 
 
-def _against_the_truth(demo: DemoInput, result: Reconstruction) -> list[str]:
-    import numpy as np
+def _against_the_truth(demo: DemoInput, result: Reconstruction, written: Table) -> list[str]:
+    from brdfit.report.compare import compare
 
-    from brdfit.arrays import FloatArray
-    from brdfit.metrics import perceptual_error
-
-    class Reference:
-        def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
-            return np.asarray(demo.reference.evaluate(wi, wo)[:, 0, :])
-
+    comparison = compare(demo, written, illuminations=("studio",))
     found = result.outliers
     hits = int((found & demo.outliers).sum())
-    error = perceptual_error(Reference(), result)
     return [
         "against what the input was made from, which no real measurement comes with:",
-        f"  outliers    {hits} of the {int(demo.outliers.sum())} found (those with a factor near 1 "
-        f"do no harm), {int((found & ~demo.outliers).sum())} good samples suspected",
-        f"  perceptual  {error:.2f} (mean CIEDE2000 of a rendered sphere; 1 is just noticeable)",
+        f"  outliers    {hits} of the {int(demo.outliers.sum())} found (a factor near 1 does no "
+        f"harm), {int((found & ~demo.outliers).sum())} good samples suspected",
+        f"  perceptual  {comparison.perceptual_error:.2f} (mean CIEDE2000 of a rendered sphere; "
+        f"1 is just noticeable)",
+        f"  values      mean |delta ln f| {comparison.values['mean_abs_log'].value:.3f} over the "
+        f"whole domain",
     ]

@@ -74,6 +74,23 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
 
 
 def _read_directions(path: Path, options: dict[str, Any]) -> Samples:
-    from brdfit.formats import read_directions
+    """Return samples whose directions count and whose values do not.
 
-    return read_directions(path, **options)
+    A file of measurements is read as one; a file of nothing but directions has no column
+    of values, so its first column is declared to be one.
+    """
+    import warnings
+
+    from brdfit.errors import DataQualityWarning, FormatError
+    from brdfit.formats import read_samples
+
+    with warnings.catch_warnings():
+        # These are about values; what is wrong with directions is counted by the caller.
+        warnings.simplefilter("ignore", DataQualityWarning)
+        try:
+            return read_samples(path, **options)
+        except (UsageError, FormatError):
+            if "values" in options:
+                raise
+        kind = "parquet" if path.suffix.lower() in (".parquet", ".pq") else "delimited"
+        return read_samples(path, **{"format": kind, **options, "values": (1,)})

@@ -20,8 +20,8 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
         "--as",
         dest="kind",
         choices=["samples", "table"],
-        default="samples",
-        help="Which to read, from a format that holds both (default: samples).",
+        default="table",
+        help="Which to read, from a format that can be read as both (default: table).",
     )
     add_reading_options(parser)
 
