@@ -14,12 +14,13 @@ from brdfit.arrays import BoolArray, FloatArray, as_unit_directions
 from brdfit.errors import UsageError
 from brdfit.geometry import split_by_horizon
 from brdfit.grid import MERL_GRID, Grid
+from brdfit.populations import Population
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.outcome import Outcome
 from brdfit.samples import Samples, Source
 from brdfit.table import Table
 
-__all__ = ["Method", "Model", "Reconstruction", "settings_record"]
+__all__ = ["Method", "Model", "Reconstruction", "population_record", "settings_record"]
 
 
 class Model(Protocol):
@@ -54,7 +55,7 @@ class Reconstruction:
     | `channel_weights`   | (n, channels) | the same per channel; equal columns where pooled |
     | `residuals`         | (n, channels) | ln(value / result); NaN where not comparable     |
     | `initial_residuals` | (n, channels) | the same against the initial estimate            |
-    | `outliers`          | (n,)          | used, but `weights` below `outlier_threshold`    |
+    | `outliers`          | (n,)          | usable, and named as wrong by `outlier_rule`     |
     """
 
     samples: Samples
@@ -63,9 +64,11 @@ class Reconstruction:
     channel_weights: FloatArray
     residuals: FloatArray
     initial_residuals: FloatArray
+    outliers: BoolArray
+    outlier_rule: str
+    """The rule that named them, in words, with its figures."""
     outcome: Outcome
     iterations: int = 0
-    outlier_threshold: float = 0.5
     population: dict[str, Any] = field(default_factory=dict)
     """Name, fingerprint and member count of the population that was leaned on."""
     history: tuple[dict[str, float], ...] = ()
@@ -77,12 +80,6 @@ class Reconstruction:
         used = self.samples.usable & np.isfinite(self.channel_weights)
         total = np.where(used, self.channel_weights, 0.0).sum(axis=1)
         return np.asarray(total / np.maximum(used.sum(axis=1), 1))
-
-    @cached_property
-    def outliers(self) -> BoolArray:
-        """(n,) True where a usable sample was found to disagree with the rest."""
-        used = self.samples.usable.any(axis=1)
-        return np.asarray(used & (self.weights < self.outlier_threshold))
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (n, channels), 1/sr, at direction pairs (n, 3).
@@ -152,7 +149,7 @@ class Reconstruction:
             },
             "outliers": {
                 "count": int(self.outliers.sum()),
-                "threshold": self.outlier_threshold,
+                "rule": self.outlier_rule,
                 "rows": _rows(self.samples, self.outliers),
             },
             "residuals": {
@@ -175,6 +172,16 @@ def settings_record(method: Method) -> dict[str, Any]:
     return record
 
 
+def population_record(materials: Population) -> dict[str, Any]:
+    """Return what identifies a population, as JSON-able values."""
+    return {
+        "name": materials.name,
+        "fingerprint": materials.fingerprint,
+        "members": len(materials),
+        "materials": len(materials.unique_materials),
+    }
+
+
 def _rows(samples: Samples, chosen: BoolArray) -> list[int]:
     index = np.flatnonzero(chosen)
     return [int(row) for row in (index + 1 if samples.rows is None else samples.rows[index])]
@@ -193,7 +200,12 @@ def _summary(residuals: FloatArray) -> dict[str, float | int | None]:
 
 
 def _versions() -> dict[str, str]:
-    from importlib.metadata import version
+    from importlib.metadata import PackageNotFoundError, version
 
-    packages = ("brdfit", "numpy", "scipy")
-    return {"python": platform.python_version(), **{name: version(name) for name in packages}}
+    versions = {"python": platform.python_version()}
+    for name in ("brdfit", "numpy", "scipy"):
+        try:
+            versions[name] = version(name)
+        except PackageNotFoundError:
+            versions[name] = "not installed"  # run from a source tree
+    return versions
