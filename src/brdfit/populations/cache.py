@@ -86,8 +86,17 @@ def remember(kind: str, key: str, build: Callable[[], Arrays]) -> Arrays:
 
 def _read(path: Path, key: str) -> Arrays | None:
     # The archive carries a checksum of each array, so that damage shows when it is read.
-    broken = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
-    with suppress(*broken), np.load(path, allow_pickle=False) as entry:
+    broken = (
+        OSError,
+        ValueError,
+        KeyError,
+        EOFError,
+        AttributeError,
+        zipfile.BadZipFile,
+        zlib.error,
+    )
+    with suppress(*broken), open(path, "rb") as stream:
+        entry = np.load(stream, allow_pickle=False)
         arrays = {name: entry[name] for name in entry.files}
         if str(arrays.pop(_KEY)) == key:
             return arrays
