@@ -14,7 +14,7 @@ import pytest
 
 from brdfit.errors import PopulationError, UsageError
 from brdfit.grid import MERL_GRID, Grid
-from brdfit.populations import Population, columns, population
+from brdfit.populations import Population, building, columns, population
 from brdfit.populations.store import Store, intact, stored_cells
 
 SMALL = Grid(12, 10, 16)
@@ -184,6 +184,18 @@ def test_a_full_disk_is_foreseen(cache: Path, toy: Toy, monkeypatch: pytest.Monk
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=10))
     with pytest.raises(PopulationError, match="BRDFIT_CACHE"):
         columns(Population.of(toy()), SMALL)
+
+
+def test_a_disk_that_fills_up_leaves_nothing(
+    cache: Path, toy: Toy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(building, "_put", fail)
+    with pytest.raises(PopulationError, match=r"could not be written \(No space left"):
+        columns(Population.of(toy()), SMALL)
+    assert not [path for path in (cache / "columns").iterdir() if path.suffix != ".lock"]
 
 
 BUILD = """

@@ -43,16 +43,22 @@ def _build(store: Store, progress: Progress) -> None:
     # Left by a process that was killed; the lock says that nobody else is at it.
     shutil.rmtree(aside, ignore_errors=True)
     _require_space(store)
-    aside.mkdir()
     try:
+        aside.mkdir()
         builder = _Builder(store, aside, progress)
         builder.fill()
         builder.write_manifest()
         shutil.rmtree(store.folder, ignore_errors=True)
         os.replace(aside, store.folder)
-    except BaseException:
+    except OSError as error:
+        raise PopulationError(
+            f"{store.folder.parent}: the columns of {store.source.name!r} could not be written "
+            f"({error.strerror or error}). Make room, or name another folder in the environment "
+            f"variable {CACHE_VARIABLE}."
+        ) from error
+    finally:
+        # Renamed by now, if all went well; otherwise nothing half-written stays.
         shutil.rmtree(aside, ignore_errors=True)
-        raise
 
 
 def _require_space(store: Store) -> None:
