@@ -15,6 +15,7 @@ from brdfit.grid import Grid
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.outcome import Outcome
 from brdfit.reconstruct.result import Reconstruction
+from brdfit.report import fit_figure
 from brdfit.samples import Samples
 
 
@@ -56,6 +57,8 @@ class Known:
             channel_weights=weights,
             residuals=residuals,
             initial_residuals=residuals * 2.0,
+            outliers=samples.usable.any(axis=1) & (weights[:, 0] < 0.5),
+            outlier_rule="weight below 0.5",
             outcome=Outcome.CONVERGED,
             iterations=3,
         )
@@ -95,3 +98,10 @@ def fit_known(lobe_samples: Callable[..., Samples]) -> Callable[..., Reconstruct
         return Known().fit(lobe_samples(channels, wavelengths))
 
     return make
+
+
+@pytest.fixture(autouse=True)
+def _small_spheres(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw spheres of few pixels under few lights: the time of a picture goes there."""
+    monkeypatch.setattr(fit_figure, "_SPHERE_SIZE", 16)
+    monkeypatch.setattr(fit_figure, "_SPACING", 0.5)

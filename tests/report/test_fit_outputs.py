@@ -10,12 +10,14 @@ import pytest
 import brdfit.report.fit_outputs as fit_outputs
 from brdfit.errors import UsageError
 from brdfit.formats import read_samples, read_table
+from brdfit.grid import Grid
 from brdfit.reconstruct.result import Reconstruction
 from brdfit.report.fit_figure import slices_of
 from brdfit.report.fit_outputs import FitPaths, write_fit
 from brdfit.samples import Samples
 
 Fit = Callable[..., Reconstruction]
+COARSE = Grid(9, 8, 10)
 BANDS = np.arange(400.0, 701.0, 50.0)
 
 
@@ -40,13 +42,15 @@ def test_a_fit_leaves_a_table_a_picture_a_record_and_the_samples(
 
 def test_the_record_holds_what_a_script_needs(tmp_path: Path, fit_known: Fit) -> None:
     result = fit_known()
-    paths = FitPaths.beside(tmp_path / "out.binary")
-    written = write_fit(result, paths, context={"command": "fit", "warnings": ["W: x"]})
+    paths = FitPaths.beside(tmp_path / "out.npz")
+    written = write_fit(
+        result, paths, context={"command": "fit", "warnings": ["W: x"]}, grid=COARSE
+    )
     record = json.loads(paths.record.read_text())
     assert record == json.loads(json.dumps(written.record))
     assert record["schema"] == "brdfit.fit/1"
     assert record["outputs"] == {
-        "table": "out.binary",
+        "table": "out.npz",
         "picture": "out.png",
         "record": "out.json",
         "samples": "out.csv",
@@ -61,8 +65,8 @@ def test_the_record_holds_what_a_script_needs(tmp_path: Path, fit_known: Fit) ->
 
 def test_the_samples_file_reads_back_as_the_same_samples(tmp_path: Path, fit_known: Fit) -> None:
     result = fit_known()
-    paths = FitPaths.beside(tmp_path / "out.binary")
-    write_fit(result, paths)
+    paths = FitPaths.beside(tmp_path / "out.npz")
+    write_fit(result, paths, grid=COARSE)
     with pytest.warns(match="cannot be used"):
         again = read_samples(paths.samples)
     assert again.wi == pytest.approx(result.samples.wi, abs=1e-9)
@@ -77,8 +81,8 @@ def test_the_samples_file_says_row_weight_outlier_and_residual(
     from pyarrow import csv
 
     result = fit_known()
-    paths = FitPaths.beside(tmp_path / "out.binary")
-    write_fit(result, paths)
+    paths = FitPaths.beside(tmp_path / "out.npz")
+    write_fit(result, paths, grid=COARSE)
     columns = csv.read_csv(paths.samples).to_pydict()
     assert columns["brdfit_row"] == list(result.samples.rows)
     assert columns["outlier"] == [int(outlier) for outlier in result.outliers]
@@ -86,7 +90,7 @@ def test_the_samples_file_says_row_weight_outlier_and_residual(
     assert columns["residual_G"][4] == pytest.approx(np.log(8.0))
     assert columns["residual_R"][7] is None
     assert columns["flags"][9] == "not_finite"
-    assert columns["value_R" if "value_R" in columns else "R"][9] is None
+    assert columns["R"][9] is None
 
 
 def test_bands_become_rgb_in_a_binary_and_stay_in_an_npz(tmp_path: Path, fit_known: Fit) -> None:
@@ -108,7 +112,7 @@ def test_if_one_output_cannot_be_made_there_is_none(
 
     monkeypatch.setattr(fit_outputs, "write_samples_csv", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        write_fit(fit_known(), FitPaths.beside(tmp_path / "out.binary"))
+        write_fit(fit_known(), FitPaths.beside(tmp_path / "out.npz"), grid=COARSE)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -10,7 +10,7 @@ from typing import TextIO
 
 from brdfit.cli.bar import Bar
 from brdfit.errors import BrdfitWarning
-from brdfit.progress import Progress
+from brdfit.progress import Progress, silent
 
 __all__ = ["Console"]
 
@@ -60,7 +60,10 @@ class Console:
 
     @contextmanager
     def progress(self) -> Iterator[Progress]:
-        """Give a `Progress` that draws a bar if the work lasts over a second."""
+        """Give a `Progress` that draws a bar if the work lasts over a second and may talk."""
+        if self.quiet:
+            yield silent
+            return
         bar = Bar(self.err)
         self._bar = bar
         try:
@@ -98,13 +101,14 @@ class Console:
         self._write(self.err, text)
 
     def _write(self, stream: TextIO, text: str) -> None:
+        encoding = getattr(stream, "encoding", None) or "utf-8"
+        # A terminal that cannot show a letter gets a question mark, not a crash.
+        line = (text + "\n").encode(encoding, "replace").decode(encoding)
         try:
-            stream.write(text + "\n")
+            stream.write(line)
             stream.flush()
         except BrokenPipeError:
             self._unplug(stream)
-        except UnicodeEncodeError:
-            stream.write(text.encode("ascii", "replace").decode("ascii") + "\n")
 
     def _unplug(self, stream: TextIO) -> None:
         # Python flushes both streams at exit, which would fail once more.

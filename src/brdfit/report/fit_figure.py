@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,10 +23,15 @@ from brdfit.samples import Samples
 from brdfit.table import Table
 from brdfit.tone import display_image, exposure_scale, srgb_encode
 
+if TYPE_CHECKING:
+    from brdfit.render import Illumination
+
 __all__ = ["Slice", "draw_fit", "slices_of"]
 
-_SPHERE_SIZE = 192
-_PICTURE_LIGHTS = ("point", "area_studio")
+_SPHERE_SIZE = 128
+# Radians between the points of an area light: coarser than for a picture of its own, since
+# the time goes with the number of points.
+_SPACING = 0.12
 # How far a measurement may lie from the plane and the angle of a slice and be drawn on it.
 _PLANE = np.radians(5.0)
 _ANGLE = np.radians(3.0)
@@ -104,12 +109,14 @@ def draw_fit(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    from brdfit.render import area_studio, point
+
     figure = Figure(figsize=(12.0, 7.6), dpi=100, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     halves: Any = figure.subfigures(2, 1, height_ratios=(1.05, 1.0))
     top, bottom = halves
     axes = top.subplots(1, 3)
-    for index, light in enumerate(_PICTURE_LIGHTS):
+    for index, light in enumerate((point(), area_studio(_SPACING))):
         progress("drawing", index, 4)
         _draw_sphere(axes[index], rgb, light)
     progress("drawing", 2, 4)
@@ -133,19 +140,19 @@ def _title(result: Reconstruction, coverage: Coverage | None) -> str:
     )
 
 
-def _draw_sphere(ax: Any, rgb: Table, light: str) -> None:
-    from brdfit.render import ILLUMINATIONS, Sphere
+def _draw_sphere(ax: Any, rgb: Table, light: Illumination) -> None:
+    from brdfit.render import Sphere
 
     ax.set_axis_off()
-    ax.set_title(f"sphere, {light.replace('_', ' ')}", fontsize=10, color=_INK)
+    ax.set_title(f"sphere, {light.name.replace('_', ' ')}", fontsize=10, color=_INK)
     sphere = Sphere(_SPHERE_SIZE)
-    linear = sphere.shade(rgb, ILLUMINATIONS[light]())
+    linear = sphere.shade(rgb, light)
     if not np.any(linear[sphere.mask] > 0.0):
         ax.text(0.5, 0.5, "black", ha="center", va="center")
         return
     picture = display_image(linear, exposure_scale(linear, sphere.mask))
     picture[~sphere.mask] = 1.0
-    ax.imshow(picture, interpolation="nearest")
+    ax.imshow(picture, interpolation="bilinear")
 
 
 def _draw_image_slice(ax: Any, rgb: Table, samples: Samples) -> None:

@@ -11,6 +11,7 @@ The four appear together or not at all.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -107,7 +108,7 @@ def write_fit(
     writers: dict[Path, Callable[[Path], object]] = {
         paths.table: lambda aside: write_table(written, aside),
         paths.picture: lambda aside: draw_fit(result, rgb, coverage, aside, progress),
-        paths.record: lambda aside: aside.write_text(json.dumps(record, indent=1) + "\n"),
+        paths.record: lambda aside: aside.write_text(_json(record), encoding="utf-8"),
         paths.samples: lambda aside: write_samples_csv(result, aside),
     }
     write_set(writers)
@@ -127,6 +128,21 @@ def _table_format(path: Path) -> str:
         f"{path.name}: the suffix {path.suffix!r} names no format that a table can be written "
         f"in. There are: {known}."
     )
+
+
+def _json(record: dict[str, Any]) -> str:
+    """Return strict JSON: what is not finite becomes null, which any reader understands."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, float) and not math.isfinite(value):
+            return None
+        if isinstance(value, Mapping):
+            return {str(key): plain(item) for key, item in value.items()}
+        if isinstance(value, list | tuple):
+            return [plain(item) for item in value]
+        return value
+
+    return json.dumps(plain(record), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def _record(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -100,12 +101,11 @@ def method_from(arguments: argparse.Namespace) -> Method:
 
     settings: dict[str, Any] = given_settings(arguments)
     kind = METHODS[pick(arguments.method, METHODS)]
-    if "population" in kind.__dataclass_fields__:
-        chosen = population(arguments.basis)
+    if any(field.name == "population" for field in dataclasses.fields(kind)):
+        settings["population"] = arguments.basis
         if arguments.without:
             names = [name.strip() for name in arguments.without.split(",")]
-            chosen = chosen.without(names)
-        settings["population"] = chosen
+            settings["population"] = population(arguments.basis).without(names)
     elif arguments.without or arguments.basis != "published":
         raise UsageError(f"--method {arguments.method}: leans on no population; leave out --basis.")
     method: Method = kind(**settings)
@@ -155,6 +155,7 @@ def result_lines(result: Reconstruction) -> list[str]:
     used = int(result.samples.usable.any(axis=1).sum())
     where = f": {first_rows(result.samples, result.outliers)}" if count else ""
     lines.append(f"  outliers    {count} of {used} samples ({count / max(used, 1):.1%}){where}")
+    lines.append(f"  rule        {result.outlier_rule}")
     before, now, clean = (
         record["residuals"][key] for key in ("before", "after", "after_without_outliers")
     )

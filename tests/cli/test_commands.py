@@ -1,0 +1,243 @@
+"""The commands on good input, end to end."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import brdfit.report.fit_outputs as fit_outputs
+from brdfit.errors import DataQualityWarning
+from brdfit.formats import read_samples, read_table, write_table
+from brdfit.grid import MERL_GRID
+from brdfit.table import Table
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def grey_table(tmp_path: Path) -> Path:
+    """Return a .binary of albedo 0.5 in all cells."""
+    path = tmp_path / "grey.binary"
+    write_table(Table(values=np.full((*MERL_GRID.shape, 3), 0.5 / np.pi)), path)
+    return path
+
+
+def test_fit_says_what_it_read_and_did_and_wrote(
+    run: Run, constant: type, paint_csv: Path, tmp_path: Path
+) -> None:
+    code, out, err = run(
+        "fit", paint_csv, "-o", tmp_path / "out.binary", "--error-metric", "linear"
+    )
+    assert code == 0, err
+    for expected in (
+        "paint.csv: 60 samples, 3 channels (R, G, B), 60 usable",
+        "coverage    theta_i 10-60",
+        "flagged",
+        "ended       direct",
+        "outliers    ",
+        "residuals   median |ln(value / result)|",
+        "out.binary",
+        "out.png",
+        "out.json",
+        "out.csv",
+    ):
+        assert expected in out
+    record = json.loads((tmp_path / "out.json").read_text())
+    assert record["method"]["error_metric"] == "linear"
+    assert record["command"] == "fit"
+    assert record["samples"]["source"]["sha256"]
+    assert read_table(tmp_path / "out.binary").mask.sum() == MERL_GRID.cells.size
+
+
+def test_quiet_prints_nothing_of_a_good_fit(
+    run: Run, constant: type, paint_csv: Path, tmp_path: Path
+) -> None:
+    code, out, err = run("fit", paint_csv, "-o", tmp_path / "out.npz", "--quiet")
+    assert (code, out, err) == (0, "", "")
+
+
+def test_the_csv_beside_the_table_does_not_replace_an_input_of_that_name(
+    run: Run, constant: type, paint_csv: Path
+) -> None:
+    before = paint_csv.read_bytes()
+    code, out, _ = run("fit", paint_csv, "-o", paint_csv.with_suffix(".binary"))
+    assert code == 0
+    assert paint_csv.read_bytes() == before
+    assert "paint.fit.csv" in out
+    assert (paint_csv.parent / "paint.fit.csv").is_file()
+
+
+def test_relative_paths_work_from_any_folder(
+    run: Run, constant: type, paint_csv: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (paint_csv.parent / "elsewhere").mkdir()
+    monkeypatch.chdir(paint_csv.parent / "elsewhere")
+    code, _, err = run("fit", "../paint.csv", "-o", "out.npz")
+    assert code == 0, err
+    assert sorted(os.listdir()) == ["out.csv", "out.json", "out.npz", "out.png"]
+
+
+@pytest.mark.parametrize(
+    ("output", "said"),
+    [
+        ("missing/out.binary", "does not exist"),
+        ("out.tiff", "'.tiff' names no format"),
+        ("paint.csv", "names no format"),
+    ],
+)
+def test_a_bad_output_is_refused_before_the_input_is_read(
+    run: Run, constant: type, tmp_path: Path, output: str, said: str
+) -> None:
+    code, _, err = run("fit", tmp_path / "not-there.csv", "-o", tmp_path / output)
+    assert code == 2
+    assert said in err
+    assert "not-there" not in err
+
+
+def test_ctrl_c_exits_with_130_and_leaves_nothing(
+    run: Run,
+    constant: type,
+    paint_csv: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def interrupted(*arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(fit_outputs, "draw_fit", interrupted)
+    code, _, err = run("fit", paint_csv, "-o", tmp_path / "out.binary")
+    assert code == 130
+    assert "stopped" in err
+    assert os.listdir(tmp_path) == ["paint.csv"]
+
+
+def test_a_defect_is_one_line_and_debug_shows_where(
+    run: Run, constant: type, paint_csv: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*arguments: object) -> None:
+        raise RuntimeError("cogwheel")
+
+    monkeypatch.setattr(constant, "fit", broken)
+    words = ("fit", paint_csv, "-o", tmp_path / "out.binary")
+    code, _, err = run(*words)
+    assert code == 1
+    assert "RuntimeError: cogwheel" in err
+    assert "Traceback" not in err
+    code, _, err = run(*words, "--debug")
+    assert code == 1
+    assert "Traceback" in err
+
+
+def test_info_of_samples_as_json(run: Run, paint_csv: Path) -> None:
+    code, out, _ = run("info", paint_csv, "--json")
+    record = json.loads(out)
+    assert code == 0
+    assert record["kind"] == "samples"
+    assert record["count"] == record["usable"] == 60
+    assert record["coverage"]["theta_i"] == pytest.approx([10.0, 60.0])
+
+
+def test_info_of_a_table(run: Run, grey_table: Path) -> None:
+    code, out, _ = run("info", grey_table)
+    assert code == 0
+    assert "90 x 90 x 180" in out
+    assert f"{MERL_GRID.cells.size} valid, 0 missing" in out
+    record = json.loads(run("info", grey_table, "--json")[1])
+    assert record["ranges"]["G"]["median"] == pytest.approx(0.5 / np.pi)
+
+
+def test_convert_between_files_of_samples(run: Run, paint_csv: Path, tmp_path: Path) -> None:
+    code, out, _ = run("convert", paint_csv, tmp_path / "paint.parquet")
+    assert code == 0
+    assert "samples" in out
+    before, after = read_samples(paint_csv), read_samples(tmp_path / "paint.parquet")
+    assert after.value == pytest.approx(before.value)
+    assert after.wi == pytest.approx(before.wi)
+
+
+def test_convert_between_tables(run: Run, grey_table: Path, tmp_path: Path) -> None:
+    code, _, _ = run("convert", grey_table, tmp_path / "grey.npz")
+    assert code == 0
+    assert np.array_equal(read_table(tmp_path / "grey.npz").values, read_table(grey_table).values)
+
+
+def test_convert_does_not_make_a_table_of_samples(run: Run, paint_csv: Path) -> None:
+    code, _, err = run("convert", paint_csv, paint_csv.with_suffix(".binary"))
+    assert code == 2
+    assert "brdfit fit" in err
+    assert not paint_csv.with_suffix(".binary").exists()
+
+
+def test_evaluate_at_directions_without_values(run: Run, grey_table: Path, tmp_path: Path) -> None:
+    at = tmp_path / "at.csv"
+    at.write_text("theta_h,theta_d,phi_d\n5,20,90\n1,60,90\n80,80,0\n")
+    code, _, err = run("evaluate", grey_table, "--at", at, "--degrees", "-o", tmp_path / "out.csv")
+    assert code == 0, err
+    assert "1 of 3 directions" in err
+    with pytest.warns(DataQualityWarning):
+        found = read_samples(tmp_path / "out.csv")
+    assert found.value[:2] == pytest.approx(0.5 / np.pi)
+    assert np.isnan(found.value[2]).all()
+
+
+def test_evaluate_at_the_directions_of_measurements(
+    run: Run, grey_table: Path, paint_csv: Path, tmp_path: Path
+) -> None:
+    code, _, err = run("evaluate", grey_table, "--at", paint_csv, "-o", tmp_path / "out.csv")
+    assert code == 0, err
+    found = read_samples(tmp_path / "out.csv")
+    assert len(found) == 60
+    assert found.wi == pytest.approx(read_samples(paint_csv).wi)
+
+
+def test_render_writes_a_picture_of_the_asked_size(
+    run: Run, grey_table: Path, tmp_path: Path
+) -> None:
+    from matplotlib.image import imread
+
+    picture = tmp_path / "sphere.png"
+    code, _, err = run("render", grey_table, "-o", picture, "--size", "24")
+    assert code == 0, err
+    pixels = imread(picture)
+    assert pixels.shape[:2] == (24, 24)
+    assert pixels[12, 12, :3].min() > 0.1
+    assert pixels[0, 0, :3].max() == 0.0
+
+
+def test_compare_a_table_with_itself_is_zero(run: Run, grey_table: Path) -> None:
+    code, out, _ = run("compare", grey_table, grey_table, "--json", "--size", "16")
+    record = json.loads(out)
+    assert code == 0
+    assert record["images"]["studio"]["perceptual_error"] == 0.0
+    assert record["values"]["log_rms"]["value"] == 0.0
+
+
+def test_basis_list_names_what_is_ready(run: Run) -> None:
+    code, out, _ = run("basis", "list")
+    assert code == 0
+    assert "published" in out
+    assert "terms:" in out
+    assert {one["name"] for one in json.loads(run("basis", "list", "--json")[1])} >= {"published"}
+
+
+def test_basis_check_of_the_embedded_population_is_good(run: Run) -> None:
+    code, out, _ = run("basis", "check", "published")
+    assert code == 0
+    assert "200 members" in out
+
+
+def test_a_reader_that_goes_away_does_not_stop_the_work(paint_csv: Path) -> None:
+    command = [sys.executable, "-m", "brdfit", "info", str(paint_csv)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait() == 0
