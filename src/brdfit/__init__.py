@@ -24,10 +24,24 @@ if TYPE_CHECKING:
     from brdfit.formats import write_table as write_table
     from brdfit.populations import Population as Population
     from brdfit.populations import population as population
+    from brdfit.reconstruct import CorrectionFunctions as CorrectionFunctions
+    from brdfit.reconstruct import GlobalBasis as GlobalBasis
+    from brdfit.reconstruct import LocalBasis as LocalBasis
+    from brdfit.reconstruct import Outcome as Outcome
+    from brdfit.reconstruct import Reconstruction as Reconstruction
+    from brdfit.reconstruct import Tabulated as Tabulated
+    from brdfit.reconstruct import fit as fit
     from brdfit.samples import Samples as Samples
 
 # public name -> module that defines it
 _HOME = {
+    "fit": "reconstruct",
+    "Outcome": "reconstruct",
+    "Reconstruction": "reconstruct",
+    "Tabulated": "reconstruct",
+    "LocalBasis": "reconstruct",
+    "GlobalBasis": "reconstruct",
+    "CorrectionFunctions": "reconstruct",
     "BrdfitError": "errors",
     "Population": "populations",
     "Samples": "samples",

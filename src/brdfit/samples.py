@@ -204,6 +204,16 @@ class Samples:
         """(n, channels): usable and above zero."""
         return frozen(self.usable & (self.value > 0.0))
 
+    @property
+    def safe_directions(self) -> tuple[FloatArray, FloatArray]:
+        """(wi, wo) with unusable rows at the normal, so that any function can be evaluated.
+
+        Values there mean nothing and must be masked by `usable`.
+        """
+        row = self.usable.any(axis=1)[:, None]
+        normal = np.array([0.0, 0.0, 1.0])
+        return np.where(row, self.wi, normal), np.where(row, self.wo, normal)
+
     @cached_property
     def noise_floor(self) -> FloatArray:
         """(channels,) the value that a censored measurement is known not to exceed, 1/sr.

@@ -11,7 +11,7 @@ class Outcome(enum.Enum):
     """How a fit ended. `value` is the name in files; `advice` says what it means."""
 
     CONVERGED = "converged"
-    HELD_OUT_STOP = "held_out_stop"
+    NO_IMPROVEMENT = "no_improvement"
     ITERATION_LIMIT = "iteration_limit"
     DIRECT = "direct"
     TOO_FEW_SAMPLES = "too_few_samples"
@@ -20,7 +20,7 @@ class Outcome(enum.Enum):
     @property
     def ok(self) -> bool:
         """True if nothing about the ending calls for attention."""
-        return self in (Outcome.CONVERGED, Outcome.HELD_OUT_STOP, Outcome.DIRECT)
+        return self in (Outcome.CONVERGED, Outcome.NO_IMPROVEMENT, Outcome.DIRECT)
 
     @property
     def advice(self) -> str:
@@ -30,8 +30,9 @@ class Outcome(enum.Enum):
 
 _ADVICE = {
     Outcome.CONVERGED: "The correction became constant: more iterations would change nothing.",
-    Outcome.HELD_OUT_STOP: (
-        "Samples kept aside were predicted best at this iteration; later ones made them worse."
+    Outcome.NO_IMPROVEMENT: (
+        "Further corrections stopped bringing the estimate nearer to the samples; the nearest "
+        "iterate was kept."
     ),
     Outcome.ITERATION_LIMIT: (
         "The iteration limit came before the correction settled. Allow more iterations, or look "

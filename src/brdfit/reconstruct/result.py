@@ -17,10 +17,19 @@ from brdfit.grid import MERL_GRID, Grid
 from brdfit.populations import Population
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.outcome import Outcome
+from brdfit.reconstruct.outliers import find_outliers
+from brdfit.reconstruct.targets import Targets
 from brdfit.samples import Samples, Source
 from brdfit.table import Table
 
-__all__ = ["Method", "Model", "Reconstruction", "population_record", "settings_record"]
+__all__ = [
+    "Method",
+    "Model",
+    "Reconstruction",
+    "direct_result",
+    "population_record",
+    "settings_record",
+]
 
 
 class Model(Protocol):
@@ -160,6 +169,34 @@ class Reconstruction:
             },
             "versions": _versions(),
         }
+
+
+def direct_result(
+    method: Method,
+    samples: Samples,
+    model: Model,
+    log_estimate: FloatArray,
+    population: dict[str, Any] | None = None,
+) -> Reconstruction:
+    """Return the result of a method without robust weights, solved in one step.
+
+    `log_estimate` (n, c) is ln of the result at the samples. Every usable sample weighs 1;
+    outliers are named by the same rule as everywhere.
+    """
+    residuals = np.where(samples.usable, Targets.of(samples).residual(log_estimate), np.nan)
+    outliers = find_outliers(residuals, samples.usable, per_channel=False)
+    return Reconstruction(
+        samples=samples,
+        method=method,
+        model=model,
+        channel_weights=samples.usable.astype(np.float64),
+        residuals=residuals,
+        initial_residuals=residuals,
+        outliers=outliers.rows,
+        outlier_rule=outliers.rule,
+        outcome=Outcome.DIRECT,
+        population=population or {},
+    )
 
 
 def settings_record(method: Method) -> dict[str, Any]:

@@ -1,3 +1,10 @@
-"""robust."""
+"""Weights that tell how much a sample counts, and the scale they are measured by.
+
+Knows nothing of BRDFs: arrays of residuals in, arrays of weights in [0, 1] out.
+"""
 
 from __future__ import annotations
+
+from brdfit.robust.weights import cauchy, mad, relative_exponential
+
+__all__ = ["cauchy", "mad", "relative_exponential"]

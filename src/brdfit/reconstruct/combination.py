@@ -1,0 +1,150 @@
+"""Non-negative combination of a population: the global basis, and every initial estimate.
+
+    g(rho~(x)) = sum_j alpha_j g(M_j(x)) (+ constant where g = ln),    alpha_j >= 0
+
+with g the error metric's encoding (`brdfit.transform`). After Matusik et al. 2003, Ren et
+al. 2011 and Ali et al. 2013, who combine the materials of the MERL database.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brdfit.arrays import BoolArray, FloatArray, IntArray
+from brdfit.linalg import NormalEquations, nonnegative
+from brdfit.reconstruct.members import MemberRows
+from brdfit.reconstruct.targets import Targets, pooled
+from brdfit.robust import cauchy
+from brdfit.transform import ErrorMetric
+
+__all__ = ["Combination", "RobustStart", "encode_members", "fit_combination"]
+
+
+@dataclass(frozen=True)
+class RobustStart:
+    """How an initial estimate is kept from being dragged away by outliers."""
+
+    scale: float = 0.3
+    """ln units: residuals well above it hardly count (Cauchy weight)."""
+    iterations: int = 4
+    """Reweighted fits after the start from the nearest member."""
+
+
+@dataclass(frozen=True, eq=False)
+class Combination:
+    """Fitted coefficients (c, k) for c channels, the constant of the log domain last."""
+
+    metric: ErrorMetric
+    roles: IntArray
+    coefficients: FloatArray
+
+    def log_value(self, rows: MemberRows) -> FloatArray:
+        """Return ln of the combination, (m, c)."""
+        result = np.empty((len(rows), len(self.roles)), dtype=np.float32)
+        for role in np.unique(self.roles):
+            x = encode_members(rows.logs[role], self.metric)
+            channels = np.flatnonzero(self.roles == role)
+            result[:, channels] = x @ self.coefficients[channels].T.astype(x.dtype)
+        return self.metric.decode(result)
+
+
+def encode_members(log: FloatArray, metric: ErrorMetric) -> FloatArray:
+    """Return the design (m, k) of encoded members, (m, k + 1) with a constant where needed."""
+    x = metric.encode(log)
+    if not metric.needs_constant:
+        return x
+    return np.concatenate([x, np.ones((len(x), 1), dtype=x.dtype)], axis=1)
+
+
+def fit_combination(
+    rows: MemberRows,
+    targets: Targets,
+    roles: IntArray,
+    metric: ErrorMetric,
+    robust: RobustStart | None,
+    per_channel: bool = False,
+) -> Combination:
+    """Fit each channel by the members' channel `roles` names.
+
+    Without `robust` this is plain least squares over all positive values, as published.
+    With it, the nearest single member up to a scale starts, and Cauchy-weighted fits follow.
+    """
+    problem = _Problem(rows, targets, roles, metric)
+    if robust is None:
+        return problem.solve((targets.usable & ~targets.censored).astype(np.float64))
+    log_estimate = problem.nearest_members(robust.scale)
+    for _ in range(robust.iterations):
+        known = targets.informative(log_estimate)
+        weight = cauchy(np.where(known, targets.residual(log_estimate), 0.0), robust.scale)
+        combination = problem.solve(pooled(weight, known, per_channel))
+        log_estimate = combination.log_value(rows)
+    return combination
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    rows: MemberRows
+    targets: Targets
+    roles: IntArray
+    metric: ErrorMetric
+
+    def solve(self, weights: FloatArray) -> Combination:
+        """Weighted non-negative least squares; channels of equal weights share a Gram matrix."""
+        encoded = self.metric.encode(np.where(self.targets.usable, self.targets.log_value, 0.0))
+        k = self.rows.members + int(self.metric.needs_constant)
+        coefficients = np.zeros((len(self.roles), k))
+        for role in np.unique(self.roles):
+            x = encode_members(self.rows.logs[role], self.metric)
+            of_role = np.flatnonzero(self.roles == role)
+            for channels in equal_columns(weights, of_role):
+                self._solve_group(x, encoded, weights, channels, coefficients)
+        return Combination(self.metric, self.roles, coefficients)
+
+    def _solve_group(
+        self,
+        x: FloatArray,
+        encoded: FloatArray,
+        weights: FloatArray,
+        channels: IntArray,
+        coefficients: FloatArray,
+    ) -> None:
+        weight = weights[:, channels[0]]
+        used = weight > 0.0
+        if not used.any():
+            return
+        equations = NormalEquations.of(x[used], encoded[np.ix_(used, channels)], weight[used])
+        free = int(self.metric.needs_constant)
+        for position, channel in enumerate(channels):
+            coefficients[channel] = nonnegative(equations.one(position), free)
+
+    def nearest_members(self, scale: float) -> FloatArray:
+        """Return ln of the member nearest to each channel, scaled to its median, (n, c).
+
+        Nearest by the mean of ln(1 + (residual / scale)^2), which outliers cannot own.
+        """
+        estimate = np.zeros(self.targets.log_value.shape)
+        for channel, role in enumerate(self.roles):
+            known = self.targets.usable[:, channel] & ~self.targets.censored[:, channel]
+            log = self.rows.logs[role]
+            estimate[:, channel] = _nearest(self.targets.log_value[:, channel], log, known, scale)
+        return estimate
+
+
+def _nearest(log_value: FloatArray, log: FloatArray, known: BoolArray, scale: float) -> FloatArray:
+    if not known.any():
+        return np.zeros(len(log_value))
+    difference = log_value[known, None] - log[known]
+    offset = np.median(difference, axis=0)
+    cost = np.log1p(((difference - offset) / scale) ** 2).mean(axis=0)
+    best = int(np.argmin(cost))
+    return np.asarray(log[:, best] + offset[best])
+
+
+def equal_columns(weights: FloatArray, channels: IntArray) -> list[IntArray]:
+    """Group `channels` by equal columns of `weights` (n, c)."""
+    groups: dict[bytes, list[int]] = {}
+    for channel in channels:
+        groups.setdefault(weights[:, channel].tobytes(), []).append(int(channel))
+    return [np.array(group) for group in groups.values()]

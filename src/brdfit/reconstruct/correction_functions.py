@@ -1,0 +1,193 @@
+"""`CorrectionFunctions`: the published method (poster, "Our method").
+
+An initial estimate from the population (`combination`) is multiplied, step by step, by
+correction functions from the correction basis (`correction_basis`), with explicit weights
+that take outliers out (`corrections`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from brdfit.arrays import BoolArray, FloatArray, IntArray
+from brdfit.errors import UsageError
+from brdfit.grid import MERL_GRID, Grid
+from brdfit.populations import Population, columns, population
+from brdfit.progress import Progress, silent
+from brdfit.reconstruct.combination import Combination, RobustStart, fit_combination
+from brdfit.reconstruct.correction_basis import CorrectionBasis, correction_basis
+from brdfit.reconstruct.corrections import Correction, CorrectionLoop, LoopResult
+from brdfit.reconstruct.members import MemberRows, channel_roles, on_grid
+from brdfit.reconstruct.outcome import Outcome
+from brdfit.reconstruct.outliers import find_outliers
+from brdfit.reconstruct.result import Reconstruction, population_record
+from brdfit.reconstruct.targets import Targets
+from brdfit.samples import Samples
+from brdfit.transform import error_metric
+
+__all__ = ["CorrectedCombination", "CorrectionFunctions"]
+
+# Below this many usable samples a correction would be fitted to noise.
+_FEWEST = 8
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedCombination:
+    """The fitted model: rho~ = combination * sigma_1 * sigma_2 * ..."""
+
+    population: Population
+    combination: Combination
+    basis: CorrectionBasis
+    corrections: tuple[Correction, ...]
+
+    def log_value(self, rows: MemberRows, basis_values: FloatArray | None = None) -> FloatArray:
+        """Return ln f_r (m, c) at the members' directions.
+
+        `basis_values` (m, K) are the correction functions there, where a caller has them.
+        """
+        result = self.combination.log_value(rows)
+        if self.corrections:
+            values = self.basis.evaluate(rows) if basis_values is None else basis_values
+            for correction in self.corrections:
+                result = result + correction.log_value(values)
+        return result
+
+    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return f_r (n, c), 1/sr, at directions above the horizon."""
+        return np.exp(self.log_value(MemberRows.at(self.population, wi, wo)).astype(np.float64))
+
+    def dense(self, grid: Grid, progress: Progress) -> FloatArray:
+        """Return f_r (grid.cells.size, c), 1/sr."""
+        return on_grid(self.population, grid, lambda rows: np.exp(self.log_value(rows)), progress)
+
+    def stddev(self, wi: FloatArray, wo: FloatArray) -> None:
+        """Return None: the published method states no uncertainty."""
+        return None
+
+
+@dataclass(frozen=True)
+class CorrectionFunctions:
+    """Robust reconstruction by correction functions (the published method)."""
+
+    name: ClassVar[str] = "correction"
+
+    population: str | Population = "published"
+    """Materials to lean on: published, nbrdf, an archive of networks, or a folder of MERL files."""
+    error_metric: str = "log"
+    """Error metric of the initial estimate and of the correction basis: linear, root or log."""
+    gamma: float = 6.0
+    """How fast the weight of a sample falls with its relative deviation: exp(-gamma d)."""
+    softening: float = 0.5
+    """While the estimate is poor, gamma is lowered to this over the 20th percentile of d."""
+    iterations: int = 8
+    """Largest number of corrections."""
+    tolerance: float = 0.005
+    """A correction whose rms of ln sigma is below this ends the iteration."""
+    damping: float | None = None
+    """Damping of the correction's coefficients; left out, generalised cross-validation chooses."""
+    sigma_limit: float = 4.0
+    """One correction changes no value by more than this factor."""
+    robust_start: bool = True
+    """Keep outliers from dragging the initial estimate away."""
+    per_channel: bool = False
+    """Judge each channel of a sample on its own instead of one verdict on the sample."""
+
+    def __post_init__(self) -> None:
+        error_metric(self.error_metric)
+        for field, low in (("gamma", 0.0), ("softening", 0.0), ("tolerance", 0.0)):
+            if not getattr(self, field) > low:
+                raise UsageError(f"{field}: found {getattr(self, field)} but it must be > {low:g}.")
+        if self.iterations < 0:
+            raise UsageError(f"iterations: found {self.iterations} but it must be >= 0.")
+        if self.sigma_limit <= 1.0:
+            raise UsageError(f"sigma_limit: found {self.sigma_limit} but it must be > 1.")
+        if self.damping is not None and self.damping < 0.0:
+            raise UsageError(f"damping: found {self.damping} but it must be >= 0.")
+
+    def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
+        """Return the reconstruction of `samples` (any number of channels).
+
+        Raises `SampleError` where no sample is usable, `PopulationError` where the
+        population cannot be had.
+        """
+        samples.require_usable()
+        materials = population(self.population)
+        metric = error_metric(self.error_metric)
+        dense = columns(materials, MERL_GRID, progress)
+        basis = correction_basis(materials, metric, dense, progress)
+        rows = MemberRows.at(materials, *samples.safe_directions)
+        targets = Targets.of(samples)
+        roles = channel_roles(samples, materials)
+        combination, loop = self.fit_rows(rows, targets, roles, basis, None, progress)
+        model = CorrectedCombination(materials, combination, basis, loop.corrections)
+        residuals = _residuals(samples, targets, loop.log_estimate)
+        outliers = find_outliers(residuals, samples.usable, self.per_channel)
+        return Reconstruction(
+            samples=samples,
+            method=self,
+            model=model,
+            channel_weights=loop.weights,
+            residuals=residuals,
+            initial_residuals=_residuals(samples, targets, combination.log_value(rows)),
+            outliers=outliers.rows,
+            outlier_rule=outliers.rule,
+            outcome=self._outcome(samples, loop, outliers.rows),
+            iterations=len(loop.corrections),
+            population=population_record(materials),
+            history=loop.history,
+        )
+
+    def fit_rows(
+        self,
+        rows: MemberRows,
+        targets: Targets,
+        roles: IntArray,
+        basis: CorrectionBasis,
+        basis_values: FloatArray | None = None,
+        progress: Progress = silent,
+    ) -> tuple[Combination, LoopResult]:
+        """Fit with the members already evaluated at the samples.
+
+        For callers that fit many times at the same directions (benchmarks); `basis_values`
+        (n, K) are the correction functions there, computed if left out.
+        """
+        metric = error_metric(self.error_metric)
+        robust = RobustStart() if self.robust_start else None
+        combination = fit_combination(rows, targets, roles, metric, robust, self.per_channel)
+        usable = int(targets.usable.any(axis=1).sum())
+        loop = CorrectionLoop(
+            gamma=self.gamma,
+            softening=self.softening,
+            iterations=self.iterations if usable >= _FEWEST else 0,
+            tolerance=self.tolerance,
+            dampings=_DAMPINGS if self.damping is None else (self.damping,),
+            sigma_limit=self.sigma_limit,
+            per_channel=self.per_channel,
+        )
+        values = basis.evaluate(rows) if basis_values is None else basis_values
+        result = loop.run(
+            values,
+            targets,
+            combination.log_value(rows).astype(np.float64),
+            lambda done, total: progress("corrections", done, total),
+        )
+        return combination, result
+
+    def _outcome(self, samples: Samples, loop: LoopResult, outliers: BoolArray) -> Outcome:
+        usable = int(samples.usable.any(axis=1).sum())
+        if usable < _FEWEST:
+            return Outcome.TOO_FEW_SAMPLES
+        if outliers.sum() > 0.5 * usable:
+            return Outcome.MOSTLY_OUTLIERS
+        return loop.outcome
+
+
+# Candidates of the generalised cross-validation. The upper end makes a correction a constant.
+_DAMPINGS = tuple(float(10.0**e) for e in np.arange(-7.0, 1.0))
+
+
+def _residuals(samples: Samples, targets: Targets, log_estimate: FloatArray) -> FloatArray:
+    return np.where(samples.usable, targets.residual(log_estimate), np.nan)

@@ -1,0 +1,158 @@
+"""The iteration of the correction-function method, on arrays.
+
+Steps 2 to 5 of the poster, for all channels at once:
+
+    sigma_i = rho_i / rho~_i                            correction factors
+    w_i     = exp(-gamma |rho_i - rho~_i| / rho~_i)     weights
+    sigma(x) = beta_0 + sum_j beta_j (C_j(x) - 1)       least squares on sigma_i with w_i
+    rho~   := sigma rho~
+
+The poster writes sigma = sum_j beta_j C_j; with sum_j beta_j = beta_0 both say the same, and
+damping the beta_j then draws sigma to a constant instead of to zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from brdfit.arrays import FloatArray
+from brdfit.linalg import ridge_with_intercept
+from brdfit.reconstruct.combination import equal_columns
+from brdfit.reconstruct.outcome import Outcome
+from brdfit.reconstruct.targets import Targets, pooled
+from brdfit.robust import relative_exponential
+
+__all__ = ["Correction", "CorrectionLoop", "LoopResult"]
+
+# A single correction factor beyond this cannot be a correction; it would only pull on beta
+# through what is left of its weight.
+_FACTOR_LIMIT = 10.0
+# Deviations count as at most this: beyond it a weight is nothing, and exp would overflow.
+_DEVIATION_LIMIT = 1e3
+# Samples of smaller weight are left out of the sums.
+_NEGLIGIBLE = 1e-6
+# Iterations without a smaller loss before the loop gives up.
+_PATIENCE = 2
+# Percentile of the deviations that counts as typical of the inliers: at up to 80 % outliers
+# the samples below it are inliers.
+_SOFT_PERCENTILE = 20.0
+
+
+@dataclass(frozen=True, eq=False)
+class Correction:
+    """One dense correction function a channel: intercept (c,), coefficients (K, c)."""
+
+    intercept: FloatArray
+    coefficients: FloatArray
+    limit: float
+
+    def log_value(self, basis_values: FloatArray) -> FloatArray:
+        """Return ln sigma (m, c) from C_j (m, K); sigma is held in [1 / limit, limit]."""
+        coefficients = self.coefficients.astype(basis_values.dtype)
+        constant = (self.intercept - self.coefficients.sum(axis=0)).astype(basis_values.dtype)
+        sigma = basis_values @ coefficients + constant
+        return np.asarray(np.log(np.clip(sigma, 1.0 / self.limit, self.limit)))
+
+
+@dataclass(frozen=True, eq=False)
+class LoopResult:
+    """Corrections in the order of application, ln rho~ at the samples, and how it ended."""
+
+    corrections: tuple[Correction, ...]
+    log_estimate: FloatArray
+    weights: FloatArray
+    outcome: Outcome
+    history: tuple[dict[str, float], ...]
+
+
+@dataclass(frozen=True)
+class CorrectionLoop:
+    """Settings of the iteration; see `CorrectionFunctions` for their meaning."""
+
+    gamma: float
+    softening: float
+    iterations: int
+    tolerance: float
+    dampings: tuple[float, ...]
+    sigma_limit: float
+    per_channel: bool
+
+    def run(
+        self,
+        basis_values: FloatArray,
+        targets: Targets,
+        log_estimate: FloatArray,
+        step: Callable[[int, int], None],
+    ) -> LoopResult:
+        """Iterate from an initial ln rho~ (n, c) with C_j at the samples (n, K).
+
+        Keeps the iterate of the smallest robust loss, the mean of 1 - w, and stops when a
+        correction is almost one everywhere or when the loss has not fallen twice in a row.
+        """
+        best = state = _State.of(targets, log_estimate, self)
+        corrections: list[Correction] = []
+        history = [{"iteration": 0.0, "loss": state.loss}]
+        kept, outcome = 0, Outcome.ITERATION_LIMIT
+        for iteration in range(1, self.iterations + 1):
+            step(iteration, self.iterations)
+            correction = self._correction(basis_values, targets, state)
+            log_sigma = correction.log_value(basis_values)
+            corrections.append(correction)
+            state = _State.of(targets, state.log_estimate + log_sigma, self)
+            sigma_rms = float(np.sqrt(np.mean(log_sigma**2)))
+            history.append({"iteration": iteration, "loss": state.loss, "sigma_rms": sigma_rms})
+            if state.loss < best.loss:
+                best, kept = state, iteration
+            if sigma_rms < self.tolerance:
+                outcome = Outcome.CONVERGED
+                break
+            if iteration - kept >= _PATIENCE:
+                outcome = Outcome.NO_IMPROVEMENT
+                break
+        step(self.iterations, self.iterations)
+        return LoopResult(
+            tuple(corrections[:kept]), best.log_estimate, best.weights, outcome, tuple(history)
+        )
+
+    def _correction(self, basis_values: FloatArray, targets: Targets, state: _State) -> Correction:
+        n_channels = targets.log_value.shape[1]
+        intercept = np.ones(n_channels)
+        coefficients = np.zeros((basis_values.shape[1], n_channels))
+        fit_weights = np.where(targets.informative(state.log_estimate), state.soft_weights, 0.0)
+        factors = np.clip(np.exp(targets.residual(state.log_estimate)), 0.0, _FACTOR_LIMIT)
+        for channels in equal_columns(fit_weights, np.arange(n_channels)):
+            weight = fit_weights[:, channels[0]]
+            used = weight > _NEGLIGIBLE
+            if not used.any():
+                continue
+            intercept[channels], fit = ridge_with_intercept(
+                basis_values[used], factors[np.ix_(used, channels)], weight[used], self.dampings
+            )
+            coefficients[:, channels] = fit.coefficients
+        return Correction(intercept, coefficients, self.sigma_limit)
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    log_estimate: FloatArray
+    weights: FloatArray
+    """(n, c) in [0, 1]; 0 where unusable."""
+    soft_weights: FloatArray
+    """The same with gamma lowered while the estimate is still far from most samples."""
+    loss: float
+
+    @classmethod
+    def of(cls, targets: Targets, log_estimate: FloatArray, loop: CorrectionLoop) -> _State:
+        residual = np.where(targets.usable, targets.residual(log_estimate), 0.0)
+        # |rho_i - rho~_i| / rho~_i, one verdict on all channels of a sample
+        relative = np.abs(np.expm1(np.minimum(residual, np.log(_DEVIATION_LIMIT))))
+        deviation = pooled(relative, targets.usable, loop.per_channel)
+        weights = relative_exponential(deviation, loop.gamma) * targets.usable
+        typical = float(np.percentile(deviation[targets.usable], _SOFT_PERCENTILE))
+        gamma = min(loop.gamma, loop.softening / max(typical, 1e-6))
+        soft_weights = relative_exponential(deviation, gamma) * targets.usable
+        loss = 1.0 - float(weights.sum() / targets.usable.sum())
+        return cls(log_estimate, weights, soft_weights, loss)

@@ -1,0 +1,107 @@
+"""Members of a population at some directions, and which of their channels a sample leans on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from brdfit.arrays import FloatArray, IntArray
+from brdfit.grid import Grid
+from brdfit.populations import VALUE_FLOOR, Columns, Population, columns
+from brdfit.progress import Progress
+from brdfit.samples import Samples
+
+__all__ = ["MemberRows", "channel_roles", "on_grid"]
+
+# Directions evaluated at once: bounds the memory of a population of 600 columns to 80 MB.
+_CHUNK = 8192
+# Bands below and above these wavelengths (nm) lean on the blue and the red of the population.
+_BLUE_BELOW, _RED_ABOVE = 490.0, 580.0
+_LABEL = "dense result"
+
+
+@dataclass(frozen=True, eq=False)
+class MemberRows:
+    """ln f_r of k members at m directions: one float32 array (m, k) a population channel."""
+
+    logs: tuple[FloatArray, ...]
+
+    @classmethod
+    def at(cls, population: Population, wi: FloatArray, wo: FloatArray) -> MemberRows:
+        """Evaluate `population` at direction pairs (m, 3)."""
+        n_channels, k = len(population.channels), len(population)
+        logs = np.empty((n_channels, len(wi), k), dtype=np.float32)
+        for start in range(0, len(wi), _CHUNK):
+            rows = slice(start, start + _CHUNK)
+            values = np.maximum(population.evaluate(wi[rows], wo[rows]), VALUE_FLOOR)
+            logs[:, rows] = np.moveaxis(np.log(values), 2, 0)
+        return cls(tuple(logs))
+
+    @classmethod
+    def read(cls, dense: Columns, start: int, stop: int) -> MemberRows:
+        """Take rows [start, stop) of the dense columns."""
+        return cls(
+            tuple(dense.block(c, start, stop) for c in range(len(dense.population.channels)))
+        )
+
+    @classmethod
+    def read_rows(cls, dense: Columns, index: IntArray) -> MemberRows:
+        """Take the rows of `index` of the dense columns."""
+        return cls(tuple(dense.rows(c, index) for c in range(len(dense.population.channels))))
+
+    def __len__(self) -> int:
+        return int(self.logs[0].shape[0])
+
+    @property
+    def members(self) -> int:
+        """Number of members k."""
+        return int(self.logs[0].shape[1])
+
+    def take(self, rows: IntArray | slice) -> MemberRows:
+        """Return the same members at some of the directions."""
+        return MemberRows(tuple(log[rows] for log in self.logs))
+
+    def without(self, members: IntArray) -> MemberRows:
+        """Return the same directions with the members of these indices left out."""
+        return MemberRows(tuple(np.delete(log, members, axis=1) for log in self.logs))
+
+
+def channel_roles(samples: Samples, population: Population) -> IntArray:
+    """Return for each channel of the samples the population channel it is fitted by, (c,).
+
+    Samples with the population's own channels pair up by name. A spectral band takes the
+    nearest primary (below 490 nm blue, above 580 nm red, else green); anything else green.
+    """
+    names = list(population.channels)
+    if set(samples.channels) <= set(names):
+        return np.array([names.index(name) for name in samples.channels])
+    middle = len(names) // 2
+    if samples.wavelengths is None:
+        same_count = samples.n_channels == len(names)
+        return np.arange(len(names)) if same_count else np.full(samples.n_channels, middle)
+    band = samples.wavelengths
+    first, last = 0, len(names) - 1  # red comes first
+    return np.where(band < _BLUE_BELOW, last, np.where(band > _RED_ABOVE, first, middle))
+
+
+def on_grid(
+    population: Population,
+    grid: Grid,
+    evaluate: Callable[[MemberRows], FloatArray],
+    progress: Progress,
+) -> FloatArray:
+    """Return `evaluate` of the members at each of `grid.cells`, (cells, c), float32.
+
+    Streams over the dense columns block by block. A bilateral population has one row for
+    two cells: it is evaluated once.
+    """
+    dense = columns(population, grid, progress)
+    blocks = []
+    for start in range(0, len(dense), _CHUNK):
+        progress(_LABEL, start, len(dense))
+        rows = MemberRows.read(dense, start, start + _CHUNK)
+        blocks.append(evaluate(rows).astype(np.float32))
+    progress(_LABEL, len(dense), len(dense))
+    return np.concatenate(blocks)[dense.expand]

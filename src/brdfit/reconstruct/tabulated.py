@@ -1,0 +1,155 @@
+"""`Tabulated`: scattered-data interpolation by radial basis functions, exact at the samples.
+
+After Zickler et al. 2005 ("Reflectance Sharing"), who interpolate f_r with radial basis
+functions over half/difference angles. Every measurement is represented as it is, noise and
+outliers included; where nobody measured, the method knows nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from brdfit.arrays import FloatArray
+from brdfit.errors import UsageError
+from brdfit.geometry import half_diff_from_directions
+from brdfit.grid import Grid
+from brdfit.progress import Progress, silent
+from brdfit.reconstruct.result import Reconstruction, direct_result
+from brdfit.samples import Samples
+
+__all__ = ["RbfModel", "Tabulated", "half_diff_features"]
+
+# Directions closer than this in feature space are one: an exact interpolant cannot pass
+# through two values at the same place, so they are averaged.
+_SAME_PLACE = 1e-7
+_SMALLEST = 1e-6
+_CHUNK = 65_536
+_KERNELS = ("linear", "thin_plate_spline", "cubic")
+
+
+def half_diff_features(theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray) -> FloatArray:
+    """Return coordinates (n, 4) in which nearby points are nearby directions.
+
+    (sqrt(theta_h / (pi/2)), theta_d / (pi/2), r cos 2 phi_d, r sin 2 phi_d) with
+    r = sin theta_h sin theta_d: reciprocity (phi_d + pi) changes nothing, and at the poles,
+    where phi_d has no meaning, neither does phi_d.
+    """
+    r = np.sin(theta_h) * np.sin(theta_d)
+    return np.stack(
+        [
+            np.sqrt(theta_h / (np.pi / 2)),
+            theta_d / (np.pi / 2),
+            r * np.cos(2.0 * phi_d),
+            r * np.sin(2.0 * phi_d),
+        ],
+        axis=-1,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class RbfModel:
+    """SciPy's interpolant of f_r over `half_diff_features`, a channel at a time where needed."""
+
+    interpolators: tuple[Any, ...]
+    """One `scipy.interpolate.RBFInterpolator` for each group of channels."""
+    groups: tuple[tuple[int, ...], ...]
+
+    @cached_property
+    def n_channels(self) -> int:
+        """Number of channels."""
+        return sum(len(group) for group in self.groups)
+
+    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return f_r (n, c), 1/sr; the interpolant is held above 1e-6."""
+        return self._at(half_diff_features(*half_diff_from_directions(wi, wo)), lambda done: None)
+
+    def dense(self, grid: Grid, progress: Progress) -> FloatArray:
+        """Return f_r (grid.cells.size, c), 1/sr."""
+        features = half_diff_features(*grid.half_diff(grid.cells))
+        return self._at(features, lambda done: progress("dense result", done, len(features)))
+
+    def stddev(self, wi: FloatArray, wo: FloatArray) -> None:
+        """Return None: an exact interpolant knows no uncertainty."""
+        return None
+
+    def _at(self, features: FloatArray, step: Any) -> FloatArray:
+        result = np.empty((len(features), self.n_channels))
+        for start in range(0, len(features), _CHUNK):
+            step(start)
+            rows = slice(start, start + _CHUNK)
+            for interpolator, group in zip(self.interpolators, self.groups, strict=True):
+                result[rows, list(group)] = interpolator(features[rows])
+        step(len(features))
+        return np.maximum(result, _SMALLEST)
+
+
+@dataclass(frozen=True)
+class Tabulated:
+    """Radial-basis-function interpolation of the samples, exact where they are."""
+
+    name: ClassVar[str] = "tabulated"
+
+    kernel: str = "linear"
+    """Radial basis function: linear, thin_plate_spline or cubic."""
+    neighbors: int = 64
+    """Nearest samples that an interpolated value depends on (all of them, if there are fewer)."""
+
+    def __post_init__(self) -> None:
+        if self.kernel not in _KERNELS:
+            raise UsageError(
+                f"kernel: found {self.kernel!r} but expected one of {', '.join(_KERNELS)}."
+            )
+        if self.neighbors < 8:
+            raise UsageError(f"neighbors: found {self.neighbors} but at least 8 are needed.")
+
+    def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
+        """Return the interpolant of all usable values, zeros and negatives included.
+
+        Samples of the same directions are averaged. Raises `SampleError` where none is usable.
+        """
+        samples.require_usable()
+        features = half_diff_features(*half_diff_from_directions(*samples.safe_directions))
+        interpolators, groups = [], []
+        for group in _channel_groups(samples):
+            rows = samples.usable[:, group[0]]
+            interpolators.append(self.interpolator(features[rows], samples.value[rows][:, group]))
+            groups.append(tuple(group))
+        model = RbfModel(tuple(interpolators), tuple(groups))
+        estimate = model.evaluate(*samples.safe_directions)
+        return direct_result(self, samples, model, np.log(estimate))
+
+    def interpolator(self, features: FloatArray, values: FloatArray) -> Any:
+        """Return SciPy's interpolator through values (n, c) at features (n, 4)."""
+        from scipy.interpolate import RBFInterpolator
+
+        features, values = _merged(features, values)
+        if len(features) < 6:  # too few for the linear polynomial in four coordinates
+            return RBFInterpolator(features, values, kernel="linear", degree=0)
+        neighbors = None if len(features) <= self.neighbors else self.neighbors
+        return RBFInterpolator(
+            features, values, kernel=self.kernel, neighbors=neighbors, degree=_DEGREE[self.kernel]
+        )
+
+
+# The lowest polynomial that makes the kernel's system solvable.
+_DEGREE = {"linear": 0, "thin_plate_spline": 1, "cubic": 1}
+
+
+def _channel_groups(samples: Samples) -> list[list[int]]:
+    groups: dict[bytes, list[int]] = {}
+    for channel in range(samples.n_channels):
+        groups.setdefault(samples.usable[:, channel].tobytes(), []).append(channel)
+    return list(groups.values())
+
+
+def _merged(features: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    key = np.rint(features / _SAME_PLACE).astype(np.int64)
+    _, first, place = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    place = np.ravel(place)
+    count = np.bincount(place)
+    total = np.stack([np.bincount(place, weights=column) for column in values.T], axis=1)
+    return features[first], total / count[:, None]
