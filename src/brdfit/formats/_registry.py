@@ -1,7 +1,7 @@
 """Which formats there are, which one a file is of, and the calls into its sheet.
 
 The formats are an explicit list of folders, imported when the first file is met. Content
-decides; the suffix only orders the questions and helps the error message. A `sniff` that
+decides, the most particular format first; the suffix only helps the error message. A `sniff` that
 crashes counts as "no" and is named in the error, never fatal.
 """
 
@@ -125,18 +125,19 @@ def _read(path: Path, format: str | None, options: dict[str, Any], kind: _Kind) 
     if format is not None:
         return _call(_sheet_named(format), path, options, kind)
     declined: list[str] = []
-    for sheet in _by_suffix(path):
+    for sheet in list_formats():
         try:
-            if sheet.sniff(path, head):
-                return _call(sheet, path, options, kind)
-        except NotThisFormat as error:
-            declined.append(f"{sheet.name} ({error})")
-        except BrdfitError:
-            raise
+            recognised = sheet.sniff(path, head)
         except Exception as error:  # a sniff of any format must not stop the others
             declined.append(f"{sheet.name} (failed while looking: {error!r})")
-        else:
+            continue
+        if not recognised:
             declined.append(sheet.name)
+            continue
+        try:
+            return _call(sheet, path, options, kind)
+        except NotThisFormat as error:
+            declined.append(f"{sheet.name} ({error})")
     raise UnknownFormat(_unknown(path, declined))
 
 
@@ -149,7 +150,9 @@ def _call(sheet: FormatSheet, path: Path, options: dict[str, Any], kind: _Kind) 
         )
     _check_options(sheet, options)
     try:
-        return reader(path, **options)
+        # infinite and missing numbers of a file end as flags, not as warnings of NumPy
+        with np.errstate(all="ignore"):
+            return reader(path, **options)
     except BrdfitError:
         raise
     except OSError as error:
@@ -188,12 +191,6 @@ def _head_of(path: Path) -> bytes:
             f"Copy or export the file again."
         )
     return head
-
-
-def _by_suffix(path: Path) -> list[FormatSheet]:
-    """All sheets, those that use the suffix of `path` first, else in their order."""
-    suffix = path.suffix.lower()
-    return sorted(list_formats(), key=lambda sheet: suffix not in sheet.extensions)
 
 
 def _unknown(path: Path, declined: list[str]) -> str:

@@ -46,6 +46,7 @@ ALIASES: dict[str, tuple[str, ...]] = {
 _SINGLE_VALUE = ("value", "f_r", "fr", "brdf", "bsdf")
 _RGB = (("r", "g", "b"), ("red", "green", "blue"))
 _SIGMA = re.compile(r"(?:sigma|std|stddev|unc)_(.+)|(.+)_(?:sigma|std|stddev|unc)")
+_LONGEST_NAME = 200  # of a line that is no header, perhaps not even text
 _UNITS = {"deg": "degrees", "degrees": "degrees", "rad": "radians", "radians": "radians"}
 _UNIT = re.compile(r"(.*?)_*(?:[\[(](deg|degrees|rad|radians)[\])]|_(deg|degrees|rad|radians))")
 
@@ -144,7 +145,7 @@ def _toml_list(items: Sequence[str]) -> str:
 
 
 def _fold(name: str) -> tuple[str, str]:
-    folded = re.sub(r"[\s\-.]+", "_", name.strip().lower())
+    folded = re.sub(r"[\s\-.]+", "_", name.strip().lower()[:_LONGEST_NAME])
     match = _UNIT.fullmatch(folded)
     if match:
         return match[1].rstrip("_"), _UNITS[match[2] or match[3]]

@@ -10,6 +10,7 @@ import csv
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,9 +35,11 @@ __all__ = [
 NumberedLine = tuple[int, str]
 """(1-based line number, the line without its end)."""
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(inf|infinity)", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?|[+-]?(inf|infinity)", re.IGNORECASE)
 _MISSING = frozenset({"", "nan", "+nan", "-nan", "na", "n/a", "null", "none"})
 _CHUNK = 4096
+_LONGEST_QUOTED = 100_000  # the csv module refuses longer fields
+_CONTROL_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,8 @@ def decode_head(head: bytes) -> str | None:
     if head.startswith(b"\xef\xbb\xbf"):
         head = head[3:]
     control = sum(byte < 32 and byte not in b"\t\n\r\f\v" for byte in head)
-    return None if control else head.decode("utf-8", errors="replace")
+    binary = b"\0" in head or control > _CONTROL_SHARE * len(head)
+    return None if binary else head.decode("utf-8", errors="replace")
 
 
 def parse_number(field: str) -> float | None:
@@ -107,9 +111,11 @@ def split_fields(line: str, delimiter: str | None) -> list[str]:
     """Split a line at `delimiter`, None = runs of blanks; quotes hold a field together."""
     if delimiter is None:
         return line.split()
-    if '"' in line:
-        csv.field_size_limit(max(csv.field_size_limit(), len(line) + 1))
-        return [field.strip() for field in next(csv.reader([line], delimiter=delimiter))]
+    if '"' in line and len(line) < _LONGEST_QUOTED:
+        # a quote that is left open is no reason to stop: the field is then no number
+        with suppress(csv.Error):
+            fields = next(csv.reader([line], delimiter=delimiter, strict=True))
+            return [field.strip() for field in fields]
     return [field.strip() for field in line.split(delimiter)]
 
 
@@ -173,10 +179,7 @@ def _parse_clean(
 def _parse_line(
     text: str, delimiter: str | None, width: int, wanted: list[int]
 ) -> list[float] | None:
-    try:
-        fields = split_fields(text, delimiter)
-    except csv.Error:
-        return None
+    fields = split_fields(text, delimiter)
     while len(fields) > width and not fields[-1]:
         fields.pop()
     if len(fields) != width:

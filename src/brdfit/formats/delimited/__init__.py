@@ -21,6 +21,8 @@ def _sniff(path: Path, head: bytes) -> bool:
         return False
     if text.lstrip("\ufeff").startswith(OWN_PREFIX) or find_sidecar(path) is not None:
         return True
+    if path.suffix.lower() in (".csv", ".tsv"):
+        return looks_delimited(text, fewest=2)
     return looks_delimited(text)
 
 

@@ -19,7 +19,7 @@ LAYOUT_OPTIONS = ("delimiter", "header", "comment", "decimal")
 _DELIMITERS: tuple[str | None, ...] = (";", "\t", ",", None)
 _BY_NAME = {"tab": "\t", "\\t": "\t", "space": None, "comma": ",", "semicolon": ";"}
 _LOOK_AT = 50
-_FEWEST = 4  # three angles and a value
+_FEWEST = 4  # three angles and a value; constants may stand for some
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,11 @@ class Layout:
     notes: tuple[str, ...]
 
 
-def looks_delimited(text: str) -> bool:
-    """Whether a text has a line that splits into at least four numbers."""
+def looks_delimited(text: str, fewest: int = _FEWEST) -> bool:
+    """Whether a text has a line that splits into at least `fewest` numbers."""
     lines = [line for line in text.replace("\r", "\n").split("\n") if line.strip()]
     return any(
-        _count_numbers(line, delimiter) >= _FEWEST
+        _count_numbers(line, delimiter) >= fewest
         for line in lines[:200]
         for delimiter in _DELIMITERS
     )
