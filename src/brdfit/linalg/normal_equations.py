@@ -11,14 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 import scipy.optimize
 
 from brdfit.arrays import FloatArray
 
 __all__ = ["NormalEquations", "RidgeFit", "nonnegative", "ridge", "ridge_with_intercept"]
 
-# Relative size below which an eigenvalue of the scaled Gram matrix is rounding noise.
-_RANK = 1e-9
+# Tried in turn on the diagonal of a Gram matrix of unit diagonal.
+_LIFTS = (1e-9, 1e-7, 1e-5, 1e-3)
 
 
 @dataclass(frozen=True)
@@ -85,25 +86,42 @@ def ridge(equations: NormalEquations, dampings: Sequence[float]) -> RidgeFit:
 
 
 def nonnegative(equations: NormalEquations, free: int = 0) -> FloatArray:
-    """Return a (k,) >= 0 of least square error; the last `free` coefficients may be negative.
+    """Return a >= 0 of least square error, (k,) or (k, c) like the moment.
 
-    The Gram matrix is scaled to unit diagonal and factored by its eigenvalues, noise
-    directions lifted to 1e-9 of the largest; the active-set solver is SciPy's.
+    The last `free` coefficients may be negative. The Gram matrix is scaled to unit diagonal
+    and factored once for all right-hand sides; the active-set solver is SciPy's (Lawson and
+    Hanson 1974).
     """
     scale = np.sqrt(np.maximum(np.diag(equations.gram), np.finfo(float).tiny))
     gram = equations.gram / scale[:, None] / scale
-    moment = equations.moment / scale
+    moment = equations.moment.reshape(len(scale), -1) / scale[:, None]
+    factor = _factor(gram)
+    target = scipy.linalg.solve_triangular(factor, moment, trans="T", check_finite=False)
+    sign = np.eye(len(scale))
     if free:
         # a free coefficient is the difference of two non-negative ones
-        sign = np.hstack([np.eye(len(scale)), -np.eye(len(scale))[:, -free:]])
-        gram, moment = sign.T @ gram @ sign, moment @ sign
-    eigenvalue, vector = np.linalg.eigh(gram)
-    root = np.sqrt(np.maximum(eigenvalue, _RANK * max(eigenvalue[-1], np.finfo(float).tiny)))
-    factor, target = root[:, None] * vector.T, (vector.T @ moment) / root
-    solution, _ = scipy.optimize.nnls(factor, target, maxiter=30 * len(moment))
-    if free:
-        solution = sign @ solution
-    return np.asarray(solution / scale)
+        sign = np.hstack([sign, -sign[:, -free:]])
+    columns = factor @ sign
+    solutions = [
+        scipy.optimize.nnls(columns, column, maxiter=30 * len(sign))[0] for column in target.T
+    ]
+    result = sign @ np.stack(solutions, axis=1) / scale[:, None]
+    return np.asarray(result.reshape(equations.moment.shape))
+
+
+def _factor(gram: FloatArray) -> FloatArray:
+    """Return upper triangular R with R^T R = gram, lifted as little as makes it definite.
+
+    Gram matrices of nearly equal columns, summed in single precision, have eigenvalues that
+    rounding made negative.
+    """
+    for lift in _LIFTS:
+        try:
+            lifted = gram + lift * np.eye(len(gram))
+            return np.asarray(scipy.linalg.cholesky(lifted, check_finite=False))
+        except scipy.linalg.LinAlgError:
+            continue
+    raise FloatingPointError("the Gram matrix is not positive semidefinite: NaN in the design?")
 
 
 def ridge_with_intercept(

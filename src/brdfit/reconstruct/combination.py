@@ -116,8 +116,7 @@ class _Problem:
             return
         equations = NormalEquations.of(x[used], encoded[np.ix_(used, channels)], weight[used])
         free = int(self.metric.needs_constant)
-        for position, channel in enumerate(channels):
-            coefficients[channel] = nonnegative(equations.one(position), free)
+        coefficients[channels] = nonnegative(equations, free).T
 
     def nearest_members(self, scale: float) -> FloatArray:
         """Return ln of the member nearest to each channel, scaled to its median, (n, c).

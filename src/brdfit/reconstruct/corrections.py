@@ -4,11 +4,11 @@ Steps 2 to 5 of the poster, for all channels at once:
 
     sigma_i = rho_i / rho~_i                            correction factors
     w_i     = exp(-gamma |rho_i - rho~_i| / rho~_i)     weights
-    sigma(x) = beta_0 + sum_j beta_j (C_j(x) - 1)       least squares on sigma_i with w_i
+    sigma(x) = beta_0 + sum_j beta_j C_j(x)             least squares on sigma_i with w_i
     rho~   := sigma rho~
 
-The poster writes sigma = sum_j beta_j C_j; with sum_j beta_j = beta_0 both say the same, and
-damping the beta_j then draws sigma to a constant instead of to zero.
+The poster writes sigma = sum_j beta_j C_j; the constant beta_0 lets the damping of the beta_j
+draw sigma to a constant instead of to zero.
 """
 
 from __future__ import annotations
@@ -52,8 +52,7 @@ class Correction:
     def log_value(self, basis_values: FloatArray) -> FloatArray:
         """Return ln sigma (m, c) from C_j (m, K); sigma is held in [1 / limit, limit]."""
         coefficients = self.coefficients.astype(basis_values.dtype)
-        constant = (self.intercept - self.coefficients.sum(axis=0)).astype(basis_values.dtype)
-        sigma = basis_values @ coefficients + constant
+        sigma = basis_values @ coefficients + self.intercept.astype(basis_values.dtype)
         return np.asarray(np.log(np.clip(sigma, 1.0 / self.limit, self.limit)))
 
 

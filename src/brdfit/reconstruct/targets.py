@@ -32,7 +32,7 @@ class Targets:
         Raises `SampleError` where a channel has no positive value: nothing says how bright
         it is.
         """
-        positive = samples.positive.any(axis=0)
+        positive = np.asarray(samples.positive.any(axis=0))
         dark = [name for c, name in enumerate(samples.channels) if not positive[c]]
         if dark:
             raise SampleError(
