@@ -238,6 +238,19 @@ def test_unclear_names_give_the_sidecar_to_write(
     assert "angles = " in str(caught.value)
 
 
+def test_what_is_declared_is_not_guessed(
+    tmp_path: Path, pairs: tuple[FloatArray, FloatArray]
+) -> None:
+    cells = np.column_stack([*pairs, np.full(N, 7.0), np.full(N, 8.0)])
+    names = ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z", "counts", "brdf"]
+    path = write_csv(tmp_path / "x.csv", names, cells)
+    assert brdfit.read_samples(path, values=["counts"]).value.tolist() == [[7.0]] * N
+    other_way = brdfit.read_samples(path, directions=[4, 5, 6, 1, 2, 3])
+    assert other_way.value.tolist() == [[8.0]] * N
+    np.testing.assert_array_equal(other_way.wi, pairs[1])
+    assert other_way.source.notes[0] == "columns guessed from their names: values from brdf"
+
+
 def test_the_sidecar_of_the_error_is_valid_toml(tmp_path: Path) -> None:
     names = ["theta_i", "phi_i", "theta_o", "phi_o", "fr"]
     path = write_csv(tmp_path / "x.csv", names, np.full((N, 5), 0.5))
@@ -342,32 +355,6 @@ def test_a_flag_column_rejects_rows(tmp_path: Path) -> None:
     samples = brdfit.read_samples(path, angles="radians", flags="bad")
     assert samples.flag_counts() == {"rejected": 1}
     assert not samples.usable[5, 0]
-
-
-def test_text_in_a_parquet_column_is_flagged_by_record(tmp_path: Path) -> None:
-    fr = ["0.5"] * 20
-    fr[6] = "saturated"
-    angle = np.linspace(0.1, 1.0, 20)
-    table = pa.table({"theta_h": angle, "theta_d": angle, "phi_d": angle, "fr": fr})
-    pq.write_table(table, tmp_path / "x.parquet")
-    with pytest.warns(DataQualityWarning, match="1 unreadable, rows 7"):
-        samples = brdfit.read_samples(tmp_path / "x.parquet", angles="radians")
-    assert samples.flag_counts()["unreadable"] == 1
-
-
-def test_a_parquet_column_of_lists_is_refused_by_name(tmp_path: Path) -> None:
-    angle = np.linspace(0.1, 1.0, 3)
-    table = pa.table({"theta_h": angle, "theta_d": angle, "phi_d": angle, "fr": [[1.0]] * 3})
-    pq.write_table(table, tmp_path / "x.parquet")
-    with pytest.raises(UsageError, match="column 'fr' holds list"):
-        brdfit.read_samples(tmp_path / "x.parquet", angles="radians")
-
-
-def test_a_truncated_parquet_file_is_corrupt(tmp_path: Path) -> None:
-    path = write_parquet(tmp_path / "x.parquet", [*SPHERICAL, "v"], np.ones((50, 5)))
-    path.write_bytes(path.read_bytes()[:-40])
-    with pytest.raises(CorruptFile, match="truncated or damaged"):
-        brdfit.read_samples(path)
 
 
 def test_no_readable_row_at_all_is_an_error(tmp_path: Path) -> None:

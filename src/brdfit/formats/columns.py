@@ -21,6 +21,8 @@ __all__ = ["ALIASES", "OWN_ROW", "Guess", "guess_angles", "guess_columns", "side
 OWN_ROW = "brdfit_row"
 """Column of our own files: the row of the file that the sample first came from."""
 
+_OWN = (OWN_FLAGS, OWN_ROW)
+
 _I = ("i", "in", "inc", "incident", "l", "light")
 _O = ("o", "out", "s", "scattered", "r", "reflected", "v", "view", "det", "detector")
 
@@ -64,14 +66,45 @@ class Guess:
     ignored: tuple[str, ...]
 
 
-def guess_columns(names: Sequence[str], values_declared: bool = False) -> Guess | str:
+def guess_columns(
+    names: Sequence[str],
+    directions: Sequence[int] | None = None,
+    values: Sequence[int] | None = None,
+) -> Guess | str:
     """Return what the column names mean, or why that is not clear.
 
-    Where the values were declared only the directions are guessed.
+    `directions` and `values` are 0-based places that are declared already; what is given
+    is not guessed, and comes back as it is (with coordinates "" for directions).
     """
     plain, units = zip(*(_fold(name) for name in names), strict=True) if names else ((), ())
     if len(set(plain)) != len(plain):
         return "two columns have the same name"
+    kind = ""
+    if directions is None:
+        guessed = _guess_directions(plain)
+        if isinstance(guessed, str):
+            return guessed
+        kind, directions = guessed
+    hints = {units[place] for place in directions} - {""}
+    if len(hints) > 1:
+        return "the angle columns name different units"
+    found = _values(plain, set(directions)) if values is None else list(values)
+    if isinstance(found, str):
+        return found
+    sigma = _sigma(plain, found) if values is None else []
+    used = {*directions, *found, *sigma}
+    return Guess(
+        coordinates=kind,
+        directions=tuple(place + 1 for place in directions),
+        values=tuple(place + 1 for place in found),
+        sigma=tuple(place + 1 for place in sigma),
+        flags=names[plain.index(OWN_FLAGS)] if OWN_FLAGS in plain else None,
+        angles=hints.pop() if hints else "",
+        ignored=tuple(n for i, n in enumerate(names) if i not in used and plain[i] not in _OWN),
+    )
+
+
+def _guess_directions(plain: Sequence[str]) -> tuple[str, list[int]] | str:
     found = {canon: _places(plain, aliases) for canon, aliases in ALIASES.items()}
     twice = [canon for canon, places in found.items() if len(places) > 1]
     if twice:
@@ -81,32 +114,11 @@ def guess_columns(names: Sequence[str], values_declared: bool = False) -> Guess 
         for kind, columns in COORDINATES.items()
         if kind != "relative" and all(found[column] for column in columns)
     ]
-    if len(kinds) != 1:
-        return (
-            "no complete set of direction columns is named"
-            if not kinds
-            else f"the columns hold several kinds of coordinates ({', '.join(kinds)})"
-        )
-    places = [found[column][0] for column in COORDINATES[kinds[0]]]
-    hints = {units[place] for place in places} - {""}
-    if len(hints) > 1:
-        return "the angle columns name different units"
-    values = [] if values_declared else _values(plain, set(places))
-    if isinstance(values, str):
-        return values
-    sigma = _sigma(plain, values)
-    flags = names[plain.index(OWN_FLAGS)] if OWN_FLAGS in plain else None
-    used = {*places, *values, *sigma}
-    ignored = [n for i, n in enumerate(names) if i not in used and plain[i] not in (OWN_FLAGS,)]
-    return Guess(
-        coordinates=kinds[0],
-        directions=tuple(place + 1 for place in places),
-        values=tuple(place + 1 for place in values),
-        sigma=tuple(place + 1 for place in sigma),
-        flags=flags,
-        angles=hints.pop() if hints else "",
-        ignored=tuple(ignored),
-    )
+    if not kinds:
+        return "no complete set of direction columns is named"
+    if len(kinds) > 1:
+        return f"the columns hold several kinds of coordinates ({', '.join(kinds)})"
+    return kinds[0], [found[column][0] for column in COORDINATES[kinds[0]]]
 
 
 def guess_angles(take: Callable[[Column], FloatArray], columns: Sequence[Column]) -> str:
