@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray, IntArray
+from brdfit.errors import UsageError
 from brdfit.geometry import spherical_from_directions
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.result import Reconstruction
@@ -111,21 +112,24 @@ def draw_fit(
 
     from brdfit.render import area_studio, point
 
-    figure = Figure(figsize=(12.0, 7.6), dpi=100, layout="constrained", facecolor="white")
+    figure = Figure(figsize=(12.0, 7.6), dpi=100, facecolor="white")
     FigureCanvasAgg(figure)
-    halves: Any = figure.subfigures(2, 1, height_ratios=(1.05, 1.0))
-    top, bottom = halves
-    axes = top.subplots(1, 3)
+    # Places by hand: an automatic layout draws everything once more to find them.
+    top = figure.add_gridspec(1, 3, left=0.03, right=0.985, bottom=0.56, top=0.9, wspace=0.14)
+    bottom = figure.add_gridspec(
+        1, 3, left=0.065, right=0.985, bottom=0.075, top=0.435, wspace=0.24
+    )
     for index, light in enumerate((point(), area_studio(_SPACING))):
         progress("drawing", index, 4)
-        _draw_sphere(axes[index], rgb, light)
+        _draw_sphere(figure.add_subplot(top[index]), rgb, light)
     progress("drawing", 2, 4)
-    _draw_image_slice(axes[2], rgb, result.samples)
+    _draw_image_slice(figure.add_subplot(top[2]), rgb, result.samples)
     progress("drawing", 3, 4)
-    slices = slices_of(result.samples)
-    for ax, one in zip(bottom.subplots(1, 3), slices, strict=True):
+    for index, one in enumerate(slices_of(result.samples)):
+        ax = figure.add_subplot(bottom[index])
         _draw_slice(ax, result, one)
-    figure.suptitle(_title(result, coverage), fontsize=11, x=0.01, ha="left", color=_INK)
+    figure.legend(*ax.get_legend_handles_labels(), ncols=5, fontsize=8, loc=(0.062, 0.475))
+    figure.suptitle(_title(result, coverage), fontsize=11, x=0.012, ha="left", color=_INK)
     figure.savefig(path, format="png")
     progress("drawing", 4, 4)
 
@@ -147,10 +151,12 @@ def _draw_sphere(ax: Any, rgb: Table, light: Illumination) -> None:
     ax.set_title(f"sphere, {light.name.replace('_', ' ')}", fontsize=10, color=_INK)
     sphere = Sphere(_SPHERE_SIZE)
     linear = sphere.shade(rgb, light)
-    if not np.any(linear[sphere.mask] > 0.0):
-        ax.text(0.5, 0.5, "black", ha="center", va="center")
+    try:
+        scale = exposure_scale(linear, sphere.mask)
+    except UsageError:
+        ax.text(0.5, 0.5, "nothing to see", ha="center", va="center")
         return
-    picture = display_image(linear, exposure_scale(linear, sphere.mask))
+    picture = display_image(linear, scale)
     picture[~sphere.mask] = 1.0
     ax.imshow(picture, interpolation="bilinear")
 
@@ -158,21 +164,18 @@ def _draw_sphere(ax: Any, rgb: Table, light: Illumination) -> None:
 def _draw_image_slice(ax: Any, rgb: Table, samples: Samples) -> None:
     """Draw the table at phi_d = 90 degrees, and where the samples are."""
     ax.set_title(
-        "table at phi_d = 90\N{DEGREE SIGN}, samples of all phi_d", fontsize=10, color=_INK
+        "table at phi_d = 90\N{DEGREE SIGN} (log tones), samples of all phi_d",
+        fontsize=10,
+        color=_INK,
     )
     ax.set_xlabel("theta_h (square-root scale)", fontsize=9)
     ax.set_ylabel("theta_d", fontsize=9)
-    middle = rgb.grid.n_phi_d // 2
-    plane = rgb.values[:, :, middle, :].astype(np.float64)
-    valid = rgb.mask[:, :, middle]
-    # Shown as the cube root: a lobe and the diffuse floor both stay visible.
-    level = np.percentile(plane[valid], 99.0) if valid.any() else 1.0
-    picture = srgb_encode(np.clip(plane / max(level, 1e-12), 0.0, 1.0) ** (2.2 / 3.0))
-    picture[~valid] = 1.0
+    half_h, half_d = 0.5 / rgb.grid.n_theta_h, 45.0 / rgb.grid.n_theta_d
     ax.imshow(
-        picture.transpose(1, 0, 2),
+        _log_tones(rgb).transpose(1, 0, 2),
         origin="lower",
-        extent=(0.0, 1.0, 0.0, 90.0),
+        # pixels are centred on the nodes
+        extent=(-half_h, 1.0 - half_h, -half_d, 90.0 - half_d),
         aspect="auto",
         interpolation="nearest",
     )
@@ -188,20 +191,43 @@ def _draw_image_slice(ax: Any, rgb: Table, samples: Samples) -> None:
     ax.set_ylim(0.0, 90.0)
 
 
+def _log_tones(rgb: Table) -> FloatArray:
+    """Return the plane phi_d = 90 degrees, (n_theta_h, n_theta_d, 3), for the eye.
+
+    Hue as it is, brightness by the logarithm of the largest channel, dark to bright over
+    the values that occur: a lobe and a diffuse floor 10^4 apart are both seen.
+    """
+    middle = rgb.grid.n_phi_d // 2
+    plane = rgb.values[:, :, middle, :].astype(np.float64)
+    peak = plane.max(axis=2)
+    shown = rgb.mask[:, :, middle] & (peak > 0.0)
+    picture = np.ones_like(plane)
+    if shown.any():
+        level = np.log(peak[shown])
+        low, high = np.percentile(level, [0.5, 99.5])
+        tone = np.clip((level - low) / max(high - low, 1e-9), 0.0, 1.0)
+        hue = srgb_encode(plane[shown] / peak[shown][:, None])
+        picture[shown] = hue * (0.15 + 0.85 * tone)[:, None]
+    return picture
+
+
 def _draw_slice(ax: Any, result: Reconstruction, one: Slice) -> None:
     from brdfit.render import incidence_slices
 
     curve = incidence_slices(result, (float(np.degrees(one.theta_i)),), samples=357)
     outlier = result.outliers[one.rows]
     degrees = np.degrees(one.theta_o)
+    names = result.samples.channels
     for channel, colour in _shown_channels(result.samples):
         line = curve.values[0, :, channel]
-        ax.plot(np.degrees(curve.theta_o), line, color=colour, linewidth=1.2)
+        ax.plot(np.degrees(curve.theta_o), line, color=colour, linewidth=1.2, label=names[channel])
         measured = result.samples.value[one.rows, channel]
         good = result.samples.positive[one.rows, channel] & ~outlier
         ax.plot(degrees[good], measured[good], ".", color=colour, markersize=3.5, alpha=0.8)
         bad = result.samples.positive[one.rows, channel] & outlier
         ax.plot(degrees[bad], measured[bad], "x", color=_OUTLIER, markersize=5, alpha=0.9)
+    ax.plot([], [], ".", color=_INK, markersize=5, label="measured")
+    ax.plot([], [], "x", color=_OUTLIER, markersize=5, label="taken for an outlier")
     ax.axvline(np.degrees(one.theta_i), color="#999999", linewidth=0.6, linestyle=":")
     ax.set_yscale("log")
     ax.set_xlim(-90.0, 90.0)

@@ -80,7 +80,8 @@ def _times(table: Table, matrix: FloatArray) -> FloatArray:
     # A band without weight may be missing: 0 x NaN must not spread.
     counts = np.any(matrix != 0.0, axis=1)
     for first in range(0, table.grid.size, _BLOCK):
-        block = flat[first : first + _BLOCK][:, counts]
+        block = flat[first : first + _BLOCK]
+        block = block if counts.all() else block[:, counts]
         rgb[first : first + _BLOCK] = block @ matrix[counts].astype(flat.dtype)
     rgb[~table.mask.reshape(-1)] = 0.0
     return rgb.reshape(*table.grid.shape, 3)
