@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from brdfit.formats import read_table as read_table
     from brdfit.formats import write_samples as write_samples
     from brdfit.formats import write_table as write_table
+    from brdfit.geometry import directions_from_spherical as directions_from_spherical
     from brdfit.populations import Population as Population
     from brdfit.populations import population as population
     from brdfit.reconstruct import CorrectionFunctions as CorrectionFunctions
@@ -32,19 +33,22 @@ if TYPE_CHECKING:
     from brdfit.reconstruct import Tabulated as Tabulated
     from brdfit.reconstruct import fit as fit
     from brdfit.samples import Samples as Samples
+    from brdfit.table import Table as Table
 
 # public name -> module that defines it
 _HOME = {
-    "fit": "reconstruct",
-    "Outcome": "reconstruct",
-    "Reconstruction": "reconstruct",
-    "Tabulated": "reconstruct",
-    "LocalBasis": "reconstruct",
-    "GlobalBasis": "reconstruct",
-    "CorrectionFunctions": "reconstruct",
     "BrdfitError": "errors",
+    "CorrectionFunctions": "reconstruct",
+    "GlobalBasis": "reconstruct",
+    "LocalBasis": "reconstruct",
+    "Outcome": "reconstruct",
     "Population": "populations",
+    "Reconstruction": "reconstruct",
     "Samples": "samples",
+    "Table": "table",
+    "Tabulated": "reconstruct",
+    "directions_from_spherical": "geometry",
+    "fit": "reconstruct",
     "list_formats": "formats",
     "population": "populations",
     "read_samples": "formats",

@@ -210,7 +210,7 @@ class Samples:
 
         Values there mean nothing and must be masked by `usable`.
         """
-        row = self.usable.any(axis=1)[:, None]
+        row = np.asarray(self.usable.any(axis=1))[:, None]
         normal = np.array([0.0, 0.0, 1.0])
         return np.where(row, self.wi, normal), np.where(row, self.wo, normal)
 

@@ -293,3 +293,12 @@ def test_one_column_of_sigma_serves_all_channels() -> None:
     )
     assert samples.sigma is not None
     assert samples.sigma.tolist() == [[0.5, 0.5, 0.5]]
+
+
+def test_safe_directions_differ_only_where_nothing_is_used(five: Samples) -> None:
+    lost = np.array([[np.nan, 0.0, 1.0], *five.wi[1:]])
+    samples = Samples(wi=lost, wo=five.wo, value=five.value)
+    wi, wo = samples.safe_directions
+    assert wi[0].tolist() == wo[0].tolist() == [0.0, 0.0, 1.0]
+    np.testing.assert_array_equal(wi[1:], five.wi[1:])
+    np.testing.assert_array_equal(wo[1:], five.wo[1:])

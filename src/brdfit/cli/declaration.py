@@ -11,6 +11,62 @@ _PREFIX = "read:"
 _OTHERS = "other reader options"
 
 
+# Option -> keywords of `add_argument`; the destination is its name.
+_OPTIONS: dict[str, dict[str, Any]] = {
+    "--format": {
+        "metavar": "NAME",
+        "help": "Format by name, in place of sniffing the content.",
+    },
+    "--directions": {
+        "metavar": "COLUMNS",
+        "help": "Columns of the directions, by name or position, separated by commas: "
+        "theta_i,phi_i,theta_o,phi_o or theta_h,theta_d,phi_d or six vector components.",
+    },
+    "--values": {
+        "metavar": "COLUMNS",
+        "help": "Columns of f_r in 1/sr, one for each channel.",
+    },
+    "--sigma": {
+        "metavar": "COLUMNS",
+        "help": "Columns of the standard deviation of the values.",
+    },
+    "--coordinates": {
+        "choices": ["spherical", "relative", "half_difference", "vectors"],
+        "help": "What the direction columns are, where their number does not tell.",
+    },
+    "--light": {
+        "choices": ["first", "second"],
+        "help": "Which of the two directions points toward the light (default: first).",
+    },
+    "--cosine-weighted": {
+        "action": "store_const",
+        "const": True,
+        "help": "Values are f_r times the cosine of the detector's polar angle.",
+    },
+    "--wavelengths": {
+        "metavar": "NM,...",
+        "help": "Wavelength of each channel in nm, separated by commas.",
+    },
+    "--channels": {
+        "metavar": "NAMES",
+        "help": "Names of the channels, separated by commas.",
+    },
+    "--flags": {
+        "metavar": "COLUMN",
+        "help": "Column that marks wrong measurements (not 0).",
+    },
+    "--material": {
+        "metavar": "NAME",
+        "help": "Which material, in a file that holds several.",
+    },
+    "--wavelength": {
+        "type": float,
+        "metavar": "NM",
+        "help": "Read only this wavelength, from a file that holds several (NIST).",
+    },
+}
+
+
 def add_reading_options(parser: argparse.ArgumentParser, title: str = "reading") -> None:
     """Add --format and the declaration of columns to `parser`."""
     group = parser.add_argument_group(
@@ -18,25 +74,9 @@ def add_reading_options(parser: argparse.ArgumentParser, title: str = "reading")
         "What the file is and what its columns mean. Needed only where the file does not say "
         "it; a TOML file beside the data (name.csv.toml) may say the same.",
     )
-
-    def add(*names: str, to: str = "", **keywords: Any) -> None:
-        dest = _PREFIX + (to or names[0].removeprefix("--").replace("-", "_"))
-        group.add_argument(*names, dest=dest, default=argparse.SUPPRESS, **keywords)
-
-    add("--format", metavar="NAME", help="Format by name, in place of sniffing the content.")
-    add(
-        "--directions",
-        metavar="COLUMNS",
-        help="Columns of the directions, by name or position, separated by commas: "
-        "theta_i,phi_i,theta_o,phi_o or theta_h,theta_d,phi_d or six vector components.",
-    )
-    add("--values", metavar="COLUMNS", help="Columns of f_r in 1/sr, one for each channel.")
-    add("--sigma", metavar="COLUMNS", help="Columns of the standard deviation of the values.")
-    add(
-        "--coordinates",
-        choices=["spherical", "relative", "half_difference", "vectors"],
-        help="What the direction columns are, where their number does not tell.",
-    )
+    for name, keywords in _OPTIONS.items():
+        dest = _PREFIX + name.removeprefix("--").replace("-", "_")
+        group.add_argument(name, dest=dest, default=argparse.SUPPRESS, **keywords)
     unit = group.add_mutually_exclusive_group()
     for name in ("degrees", "radians"):
         unit.add_argument(
@@ -47,31 +87,6 @@ def add_reading_options(parser: argparse.ArgumentParser, title: str = "reading")
             default=argparse.SUPPRESS,
             help=f"Angles are in {name}.",
         )
-    add(
-        "--light",
-        choices=["first", "second"],
-        help="Which of the two directions points toward the light (default: first).",
-    )
-    add(
-        "--cosine-weighted",
-        action="store_const",
-        const=True,
-        help="Values are f_r times the cosine of the detector's polar angle.",
-    )
-    add(
-        "--wavelengths",
-        metavar="NM,...",
-        help="Wavelength of each channel in nm, separated by commas.",
-    )
-    add("--channels", metavar="NAMES", help="Names of the channels, separated by commas.")
-    add("--flags", metavar="COLUMN", help="Column that marks wrong measurements (not 0).")
-    add("--material", metavar="NAME", help="Which material, in a file that holds several.")
-    add(
-        "--wavelength",
-        type=float,
-        metavar="NM",
-        help="Read only this wavelength, from a file that holds several (NIST).",
-    )
     group.add_argument(
         "--option",
         dest=_OTHERS,

@@ -17,9 +17,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import scipy.interpolate
-import scipy.linalg
-import scipy.sparse
+import scipy  # its parts are imported when they are first used
 
 from brdfit.arrays import BoolArray, FloatArray
 from brdfit.errors import UsageError
