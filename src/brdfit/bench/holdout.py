@@ -9,27 +9,26 @@ result. One record a material and method.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from brdfit.arrays import FloatArray
 from brdfit.bench.ledger import Record, versions
 from brdfit.bench.log_rbf import LogRbf
 from brdfit.bench.markdown import Column, cell, table
 from brdfit.bench.options import Say, add_run_arguments, ledger_of, share
 from brdfit.bench.real_files import (
+    Evaluate,
     RealCase,
-    compare,
+    Split,
     find_cases,
+    fit_method,
     generator,
     input_hashes,
+    predict_rest,
     read_case,
-    split,
 )
 from brdfit.bench.workers import Task
-from brdfit.errors import BrdfitError
 from brdfit.files import atomic_path
 from brdfit.progress import Progress
 from brdfit.samples import Samples
@@ -39,16 +38,6 @@ __all__ = ["HELP", "add_arguments", "run"]
 HELP = "fit a part of each real file of a folder, predict the rest"
 
 RBF = "log_rbf"
-
-Evaluate = Callable[[FloatArray, FloatArray], FloatArray]
-
-
-@dataclass(frozen=True)
-class HoldoutSettings:
-    """What decides the figures."""
-
-    fraction: float
-    seed: int
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -70,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, progress: Progress, say: Say) -> None:
     """Run the benchmark; leave the result and its table."""
-    settings = HoldoutSettings(arguments.fraction, arguments.seed)
+    settings = Split(arguments.fraction, arguments.seed)
     methods = _chosen_methods(arguments.methods)
     cases = find_cases(arguments.data)
     tasks = [Task(f"{case.name}|{name}", (case, name)) for case in cases for name in methods]
@@ -114,54 +103,32 @@ def _settings_of(methods: Sequence[str]) -> dict[str, Any]:
     return described
 
 
-def _read_all(tasks: Sequence[Task], settings: HoldoutSettings) -> dict[str, Any]:
+def _read_all(tasks: Sequence[Task], settings: Split) -> dict[str, Any]:
     cases: dict[str, RealCase] = {task.payload[0].name: task.payload[0] for task in tasks}
     return {
-        "settings": settings,
+        "split": settings,
         "samples": {name: read_case(case) for name, case in cases.items()},
     }
 
 
 def _work(shared: dict[str, Any], task: Task) -> list[Record]:
-    case, method = task.payload
-    settings: HoldoutSettings = shared["settings"]
-    samples: Samples = shared["samples"][case.name]
-    fitted, held_out = split(samples, settings.fraction, settings.seed, case.name)
-    record: Record = {
-        "key": task.key,
-        "file": case.name,
-        "method": method,
-        "samples": len(samples),
-        "fitted": len(fitted),
-        "held_out": len(held_out),
-        "channels": samples.n_channels,
-    }
-    try:
-        evaluate, how = _fit(method, fitted, settings.seed, case.name)
-    except BrdfitError as error:
-        return [record | {"how": f"{type(error).__name__}: {error}", "median": None, "mean": None}]
-    return [record | {"how": how} | compare(held_out, evaluate(held_out.wi, held_out.wo))]
-
-
-def _fit(method: str, samples: Samples, seed: int, name: str) -> tuple[Evaluate, str]:
-    """Return the fitted function of direction, and how the fit ended."""
-    import warnings
-
-    from brdfit.errors import BrdfitWarning
     from brdfit.reconstruct import METHODS
 
-    if method == RBF:
-        own_seed = int(generator(seed, name, RBF).integers(2**31))
+    case, name = task.payload
+    how: Split = shared["split"]
+
+    def fit(samples: Samples) -> tuple[Evaluate, str]:
+        if name != RBF:
+            return fit_method(METHODS[name](), samples)
+        own_seed = int(generator(how.seed, case.name, RBF).integers(2**31))
         fitted = LogRbf.fit(samples, own_seed)
         return fitted.evaluate, fitted.settings
-    with warnings.catch_warnings():
-        # The outcome is in the record; a warning per case would drown the others.
-        warnings.simplefilter("ignore", BrdfitWarning)
-        result = METHODS[method]().fit(samples)
-    return result.evaluate, result.outcome.value
+
+    record = predict_rest(case.name, shared["samples"][case.name], how, fit)
+    return [{"key": task.key, "method": name, **record}]
 
 
-def _markdown(settings: HoldoutSettings, methods: Sequence[str], records: list[Record]) -> str:
+def _markdown(settings: Split, methods: Sequence[str], records: list[Record]) -> str:
     by_case: dict[str, dict[str, Record]] = {}
     for record in records:
         by_case.setdefault(record["file"], {})[record["method"]] = record

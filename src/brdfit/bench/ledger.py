@@ -147,19 +147,22 @@ class Ledger:
         label: str,
     ) -> None:
         left = [task for task in tasks if task.key not in journal.done]
-        done = len(tasks) - len(left)
-        if done:
+        if len(left) < len(tasks):
+            done = len(tasks) - len(left)
             say(f"continuing: {done} of {len(tasks)} parts were finished by an earlier run.")
         if not left:
             return
         shared = prepare(left)
-        progress(label, 0, len(tasks))
-        if done:
-            progress(label, done, len(tasks))
+        cost = {task.key: task.cost for task in tasks}
+        total = sum(cost.values())
+        spent = total - sum(task.cost for task in left)
+        progress(label, 0, total)
+        if spent:
+            progress(label, spent, total)
         for key, records, seconds in run_pool(left, work, shared, self.workers):
             journal.append(key, records, seconds)
-            done += 1
-            progress(label, done, len(tasks))
+            spent += cost[key]
+            progress(label, spent, total)
 
     def _finished(self) -> list[Record] | None:
         if not self.result.exists():

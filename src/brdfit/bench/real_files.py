@@ -8,19 +8,39 @@ case). Folders that are missing are left out.
 from __future__ import annotations
 
 import hashlib
+import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
 from brdfit.bench.ledger import Record, figure
-from brdfit.errors import UsageError
+from brdfit.errors import BrdfitError, BrdfitWarning, UsageError
 from brdfit.files import sha256_of_file
 from brdfit.samples import Samples
 
-__all__ = ["RealCase", "compare", "find_cases", "generator", "input_hashes", "read_case", "split"]
+if TYPE_CHECKING:
+    from brdfit.reconstruct.result import Method
+
+__all__ = [
+    "Evaluate",
+    "RealCase",
+    "Split",
+    "compare",
+    "find_cases",
+    "fit_method",
+    "generator",
+    "input_hashes",
+    "predict_rest",
+    "read_case",
+    "split",
+]
+
+Evaluate = Callable[[FloatArray, FloatArray], FloatArray]
+"""f_r (n, channels) at direction pairs (n, 3): what a fit leaves."""
 
 _FOLDERS = {"cornell": "*.astm", "rgl": "*.bsdf", "nist": "*.csv", "curet": "*.dat"}
 
@@ -68,9 +88,6 @@ def _curet_materials(path: Path) -> list[int]:
 
 def read_case(case: RealCase) -> Samples:
     """Read the samples of a case; what the reader warns of is counted in the records."""
-    import warnings
-
-    from brdfit.errors import BrdfitWarning
     from brdfit.formats import read_samples
 
     with warnings.catch_warnings():
@@ -90,12 +107,52 @@ def generator(seed: int, *key: str) -> np.random.Generator:
     return np.random.default_rng([seed, int.from_bytes(digest[:8], "little")])
 
 
-def split(samples: Samples, fraction: float, seed: int, name: str) -> tuple[Samples, Samples]:
+@dataclass(frozen=True)
+class Split:
+    """How the samples of every case are split."""
+
+    fraction: float
+    """Share of the usable samples that is fitted."""
+    seed: int
+
+
+def split(samples: Samples, how: Split, name: str) -> tuple[Samples, Samples]:
     """Return (to fit, held out): round(fraction n) of the n usable samples at random, the rest."""
     rows = np.flatnonzero(samples.usable.any(axis=1))
-    order = generator(seed, name, "split").permutation(rows)
-    count = round(fraction * rows.size)
+    order = generator(how.seed, name, "split").permutation(rows)
+    count = round(how.fraction * rows.size)
     return samples.subset(np.sort(order[:count])), samples.subset(np.sort(order[count:]))
+
+
+def predict_rest(
+    name: str, samples: Samples, how: Split, fit: Callable[[Samples], tuple[Evaluate, str]]
+) -> Record:
+    """Return the record of one case and one method: the rest predicted from the part.
+
+    `fit` returns the fitted function and how the fit ended. One that ends in an error of
+    brdfit's leaves its message and no figures.
+    """
+    fitted, held_out = split(samples, how, name)
+    record: Record = {
+        "file": name,
+        "samples": len(samples),
+        "fitted": len(fitted),
+        "held_out": len(held_out),
+        "channels": samples.n_channels,
+    }
+    try:
+        evaluate, ending = fit(fitted)
+    except BrdfitError as error:
+        return record | {"how": f"{type(error).__name__}: {error}", "median": None, "mean": None}
+    return record | {"how": ending} | compare(held_out, evaluate(held_out.wi, held_out.wo))
+
+
+def fit_method(method: Method, samples: Samples) -> tuple[Evaluate, str]:
+    """Fit and return the function and the outcome's name; warnings are in the outcome."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", BrdfitWarning)
+        result = method.fit(samples)
+    return result.evaluate, result.outcome.value
 
 
 def compare(held_out: Samples, predicted: FloatArray) -> Record:

@@ -32,6 +32,8 @@ class Task:
 
     key: str
     payload: Any = None
+    cost: int = 1
+    """How long it takes beside the others, for the estimate of time left."""
 
 
 Work = Callable[[Any, Task], list[dict[str, Any]]]

@@ -1,0 +1,166 @@
+"""`brdfit bench paper`: the poster's tables on a population of choice, by one command."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from brdfit.bench.ledger import read_result, versions
+from brdfit.bench.options import Say, add_run_arguments, ledger_of, share
+from brdfit.bench.outliers import DEFAULT_OUTLIERS, OUTLIER_MODELS
+from brdfit.bench.paper.parts import Run, charts, work
+from brdfit.bench.paper.reproduction import page
+from brdfit.bench.paper.settings import PARTS, PaperSettings
+from brdfit.errors import UsageError
+from brdfit.files import atomic_path
+from brdfit.progress import Progress
+
+if TYPE_CHECKING:
+    from brdfit.populations import Population
+
+__all__ = ["HELP", "add_arguments", "run"]
+
+HELP = "regenerate every table of the published poster on a population of choice"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of this benchmark."""
+    parser.add_argument(
+        "--population",
+        default="nbrdf",
+        metavar="NAME|PATH",
+        help="materials to reconstruct and to lean on: a name, an archive of networks, or a "
+        "folder of MERL tables (default: nbrdf)",
+    )
+    parser.add_argument(
+        "--data", type=Path, metavar="DIR", help="folder of real measurements for the real table"
+    )
+    parser.add_argument(
+        "--parts", nargs="+", choices=list(PARTS), help="make only these (default: all)"
+    )
+    parser.add_argument(
+        "--methods", nargs="+", metavar="NAME", help="only these columns: our glo loc tab"
+    )
+    parser.add_argument(
+        "--outliers",
+        choices=list(OUTLIER_MODELS),
+        default=DEFAULT_OUTLIERS,
+        help=f"how measurements go wrong (default: {DEFAULT_OUTLIERS})",
+    )
+    parser.add_argument(
+        "--full", action="store_true", help="measure every cell of the grid, not a tenth of them"
+    )
+    parser.add_argument(
+        "--universe", type=share, default=0.1, help="share of the cells measured (default: 0.1)"
+    )
+    parser.add_argument(
+        "--materials", type=int, default=0, metavar="N", help="reconstruct only N (default: all)"
+    )
+    parser.add_argument(
+        "--docs", type=Path, metavar="PAGE", help="write the page of tables here as well"
+    )
+    parser.add_argument(
+        "--from-result",
+        action="store_true",
+        help="compute nothing: make tables and figures again from RESULT as it is",
+    )
+    add_run_arguments(parser, "benchmarks/results/paper.json")
+
+
+def run(arguments: argparse.Namespace, progress: Progress, say: Say) -> None:
+    """Run the benchmark; leave the result, the page of tables, and the figures."""
+    if arguments.from_result:
+        content = read_result(arguments.output)
+        if content.get("benchmark") != "paper":
+            raise UsageError(f"{arguments.output}: this is not a result of `brdfit bench paper`.")
+        _write_pages(arguments, content, say)
+        return
+    settings = _settings(arguments)
+    population = _population(arguments.population)
+    plan = Run.plan(settings, population, arguments.data, arguments.methods)
+    ledger = ledger_of(arguments, _header(arguments, settings, population, plan))
+    records = ledger.run(
+        plan.tasks, work, lambda left: plan.prepared(left, progress), progress, say, "paper"
+    )
+    plan.pictures(records, _figure_folder(arguments.output), progress)
+    _write_pages(arguments, read_result(ledger.result), say)
+
+
+def _settings(arguments: argparse.Namespace) -> PaperSettings:
+    parts = arguments.parts or list(PARTS)
+    if arguments.data is None:
+        if arguments.parts and "real" in arguments.parts:
+            raise UsageError("--parts real: needs --data DIR, a folder of real measurements.")
+        parts = [part for part in parts if part != "real"]
+    return PaperSettings(
+        seed=arguments.seed,
+        outliers=arguments.outliers,
+        universe=1.0 if arguments.full else arguments.universe,
+        materials=arguments.materials,
+        parts=tuple(parts),
+    )
+
+
+def _population(name: str) -> Population:
+    from brdfit.populations import population
+
+    return population(name)
+
+
+def _header(
+    arguments: argparse.Namespace, settings: PaperSettings, population: Population, plan: Run
+) -> dict[str, Any]:
+    return {
+        "benchmark": "paper",
+        "command": _command(arguments, settings),
+        "settings": settings.record(),
+        "population": {
+            "name": population.name,
+            "fingerprint": population.fingerprint,
+            "members": len(population),
+        },
+        "methods": plan.method_records(),
+        "inputs": plan.input_hashes(),
+        "versions": versions(),
+    }
+
+
+def _command(arguments: argparse.Namespace, settings: PaperSettings) -> str:
+    """Return the command that repeats the run; folders are named by their last part."""
+    words = ["brdfit bench paper", f"--population {Path(arguments.population).name}"]
+    words += [f"--outliers {settings.outliers}", f"--seed {settings.seed}"]
+    if arguments.data is not None:
+        words.append(f"--data {arguments.data.resolve().name}")
+    if arguments.full:
+        words.append("--full")
+    elif settings.universe != PaperSettings.universe:
+        words.append(f"--universe {settings.universe:g}")
+    if settings.materials:
+        words.append(f"--materials {settings.materials}")
+    if arguments.methods:
+        words.append("--methods " + " ".join(arguments.methods))
+    if arguments.parts:
+        words.append("--parts " + " ".join(arguments.parts))
+    return " ".join(words)
+
+
+def _figure_folder(result: Path) -> Path:
+    return result.with_suffix("")
+
+
+def _write_pages(arguments: argparse.Namespace, content: dict[str, Any], say: Say) -> None:
+    folder = _figure_folder(arguments.output)
+    figures = charts(content, folder)
+    targets = [arguments.output.with_suffix(".md")]
+    targets += [arguments.docs] if arguments.docs is not None else []
+    for target in targets:
+        links = {name: _link(path, target) for name, path in figures.items()}
+        with atomic_path(target) as aside:
+            aside.write_text(page(content, links), encoding="utf-8")
+    say(f"wrote {arguments.output}, {', '.join(map(str, targets))} and figures in {folder}")
+
+
+def _link(path: Path, page_path: Path) -> str:
+    return Path(os.path.relpath(path, page_path.parent)).as_posix()

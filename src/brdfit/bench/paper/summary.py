@@ -1,0 +1,79 @@
+"""Averages over materials of the records of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from brdfit.arrays import FloatArray
+from brdfit.bench.ledger import Record
+
+__all__ = ["Summary"]
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """The records of a run by part."""
+
+    records: Sequence[Record]
+
+    def part(self, name: str) -> list[Record]:
+        """Return the records of one part."""
+        return [record for record in self.records if record["part"] == name]
+
+    @cached_property
+    def _errors(self) -> dict[tuple[str, float, float], list[Record]]:
+        found: dict[tuple[str, float, float], list[Record]] = {}
+        for record in self.part("errors"):
+            cell = (record["method"], record["outlier_ratio"], record["data_ratio"])
+            found.setdefault(cell, []).append(record)
+        return found
+
+    def methods(self, part: str) -> list[str]:
+        """Return the methods of a part, in the order in which the tables show them."""
+        seen = {record["method"] for record in self.part(part)}
+        return [name for name in ("our", "glo", "loc", "tab") if name in seen] + sorted(
+            seen - {"our", "glo", "loc", "tab"}
+        )
+
+    def errors(self, method: str, outlier_ratio: float, data_ratio: float) -> FloatArray:
+        """Return the perceptual errors of a cell, one a material; empty where it was not run."""
+        records = self._errors.get((method, outlier_ratio, data_ratio), [])
+        return np.array([record["error"] for record in records], dtype=np.float64)
+
+    def mean(self, method: str, outlier_ratio: float, data_ratio: float) -> float | None:
+        """Return the mean perceptual error of a cell, None where it was not run."""
+        errors = self.errors(method, outlier_ratio, data_ratio)
+        return float(errors.mean()) if errors.size else None
+
+    def ratios(self) -> tuple[list[float], list[float]]:
+        """Return (outlier ratios ascending, data ratios descending) of the run."""
+        cells = self._errors.keys()
+        return sorted({cell[1] for cell in cells}), sorted(
+            {cell[2] for cell in cells}, reverse=True
+        )
+
+    def worst(self, method: str, outlier_ratio: float, data_ratio: float, count: int) -> list[str]:
+        """Return the materials with the largest errors of a cell, worst first."""
+        records = self._errors.get((method, outlier_ratio, data_ratio), [])
+        ranked = sorted(records, key=lambda record: (-record["error"], record["material"]))
+        return [record["material"] for record in ranked[:count]]
+
+    def materials(self) -> int:
+        """Return how many materials were reconstructed."""
+        return len({record["material"] for record in self.part("errors")})
+
+    def sensitivity(self, method: str) -> dict[str, float]:
+        """Return the mean perceptual error by error metric."""
+        found: dict[str, list[float]] = {}
+        for record in self.part("sensitivity"):
+            if record["method"] == method:
+                found.setdefault(record["metric"], []).append(record["error"])
+        return {metric: float(np.mean(errors)) for metric, errors in found.items()}
+
+    def expressiveness(self) -> FloatArray:
+        """Return the deviations, one a material."""
+        return np.array([record["deviation"] for record in self.part("expressiveness")], float)
