@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from importlib import import_module
 
+from brdfit.bench.workers import limit_threads
 from brdfit.cli.console import Console
 from brdfit.cli.parser import Command, Parser, add_commands
 
@@ -24,6 +25,8 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def _filler(name: str):  # type: ignore[no-untyped-def]
     def fill(parser: Parser, rest: Sequence[str]) -> None:
+        # Before numpy is imported: the workers are the parallelism, one thread each.
+        limit_threads()
         module = import_module(f"brdfit.bench.{name}")
         module.add_arguments(parser)
         parser.set_defaults(benchmark=module.run)
