@@ -52,16 +52,10 @@ Run = Callable[[argparse.Namespace, Console], None]
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the program with the words `argv` (default: those typed); return the exit code."""
     words = list(sys.argv[1:] if argv is None else argv)
-    try:
-        parser = build_parser(words)
-        arguments, rest = parser.parse_known_args(words)
-        if rest:
-            _refuse(arguments, rest)
-    except SystemExit as end:
-        return int(end.code or 0)
-    console = Console(quiet=arguments.quiet, debug=arguments.debug)
+    # Known before the words are parsed, which may fail too.
+    console = Console(quiet="-q" in words or "--quiet" in words, debug="--debug" in words)
     with console.listening(), _termination():
-        return _run(arguments, console)
+        return _run(words, console)
 
 
 def build_parser(words: Sequence[str]) -> Parser:
@@ -106,6 +100,13 @@ def _add_common(parser: Parser) -> None:
     )
 
 
+def _parse(words: Sequence[str]) -> argparse.Namespace:
+    arguments, rest = build_parser(words).parse_known_args(words)
+    if rest:
+        _refuse(arguments, rest)
+    return arguments
+
+
 def _refuse(arguments: argparse.Namespace, rest: Sequence[str]) -> None:
     speaker: Parser = arguments.speaker
     sentences = speaker.unknown_options(rest)
@@ -113,9 +114,12 @@ def _refuse(arguments: argparse.Namespace, rest: Sequence[str]) -> None:
     speaker.error(" ".join(sentences) or f"nothing is known of: {' '.join(rest)}")
 
 
-def _run(arguments: argparse.Namespace, console: Console) -> int:
+def _run(words: Sequence[str], console: Console) -> int:
     try:
+        arguments = _parse(words)
         arguments.run(arguments, console)
+    except SystemExit as end:
+        return int(end.code or 0)
     except KeyboardInterrupt:
         console.fail("stopped; nothing half-written was left behind.")
         return 130

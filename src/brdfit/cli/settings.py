@@ -43,7 +43,7 @@ def add_settings(
             continue
         default = _default(item)
         text = _first_paragraph(item.metadata.get("help", texts.get(item.name, "")))
-        shown = "" if default is None else f" (default: {default})"
+        shown = "" if default is None else f" (default: {_shown(default)})"
         parser.add_argument(
             option_name(item.name),
             dest=_PREFIX + item.name,
@@ -101,6 +101,12 @@ def _default(item: dataclasses.Field[Any]) -> object:
     if item.default_factory is not dataclasses.MISSING:
         return item.default_factory()
     return None
+
+
+def _shown(default: object) -> str:
+    if isinstance(default, bool):
+        return "on" if default else "off"
+    return str(default)
 
 
 def _option(hint: Any) -> dict[str, Any] | None:

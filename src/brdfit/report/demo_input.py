@@ -20,7 +20,7 @@ from brdfit.populations import Population, population
 
 __all__ = ["DEMO_MATERIAL", "DemoInput", "demo_input", "write_demo_input"]
 
-DEMO_MATERIAL = "blue-metallic-paint"
+DEMO_MATERIAL = "green-metallic-paint"
 """The MERL material whose published fit is measured."""
 
 _THETA_I = (10.0, 25.0, 40.0, 55.0, 70.0)

@@ -164,7 +164,7 @@ def _draw_sphere(ax: Any, rgb: Table, light: Illumination) -> None:
 def _draw_image_slice(ax: Any, rgb: Table, samples: Samples) -> None:
     """Draw the table at phi_d = 90 degrees, and where the samples are."""
     ax.set_title(
-        "table at phi_d = 90\N{DEGREE SIGN} (log tones), samples of all phi_d",
+        "table at phi_d = 90\N{DEGREE SIGN} (log tones), and samples",
         fontsize=10,
         color=_INK,
     )

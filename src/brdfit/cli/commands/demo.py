@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from brdfit.report.demo_input import DemoInput
     from brdfit.table import Table
 
-_INPUT = "demo-paint.csv"
+_INPUT = "demo-measurements.csv"
+_OUTPUT = "demo.binary"
 
 
 def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
@@ -51,10 +52,9 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
         f"measurement. {DEMO_MATERIAL} is left out of the population that the fit leans on."
     )
     console.say()
-    arguments.without = ",".join(filter(None, [arguments.without, DEMO_MATERIAL]))
-    paths = FitPaths.beside(folder / "demo-paint.binary", inputs=[source])
+    paths = FitPaths.beside(folder / _OUTPUT, inputs=[source])
     console.say(f"$ brdfit fit {source} -o {paths.table} --without {DEMO_MATERIAL}")
-    method = method_from(arguments)
+    method = method_from(arguments, leave_out=[DEMO_MATERIAL])
     samples = read_samples(source)
     context = {"command": "demo", "generated_from": demo.member, "seed": demo.seed}
     result, outputs = fit_and_write(samples, method, paths, console, context)

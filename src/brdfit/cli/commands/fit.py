@@ -72,7 +72,7 @@ def add_method_options(parser: Parser, rest: Sequence[str]) -> None:
 
 
 def _typed_method(rest: Sequence[str]) -> str | None:
-    for word, after in zip(rest, [*rest[1:], ""], strict=True):
+    for word, after in zip(rest, [*rest[1:], ""], strict=False):
         if word == "--method":
             return after
         if word.startswith("--method="):
@@ -94,8 +94,11 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     fit_and_write(samples, method, paths, console, context)
 
 
-def method_from(arguments: argparse.Namespace) -> Method:
-    """Return the method with its settings and population, as typed."""
+def method_from(arguments: argparse.Namespace, leave_out: Sequence[str] = ()) -> Method:
+    """Return the method with its settings and population, as typed.
+
+    `leave_out` are materials that a population must not hold, besides those typed.
+    """
     from brdfit.populations import population
     from brdfit.reconstruct import METHODS
 
@@ -103,8 +106,9 @@ def method_from(arguments: argparse.Namespace) -> Method:
     kind = METHODS[pick(arguments.method, METHODS)]
     if any(field.name == "population" for field in dataclasses.fields(kind)):
         settings["population"] = arguments.basis
-        if arguments.without:
-            names = [name.strip() for name in arguments.without.split(",")]
+        typed = (arguments.without or "").split(",")
+        names = [*filter(None, map(str.strip, typed)), *leave_out]
+        if names:
             settings["population"] = population(arguments.basis).without(names)
     elif arguments.without or arguments.basis != "published":
         raise UsageError(f"--method {arguments.method}: leans on no population; leave out --basis.")
@@ -149,7 +153,8 @@ def result_lines(result: Reconstruction) -> list[str]:
 
     record = result.record()
     lines = [f"fit by {result.method.name}{_leaning(result)}"]
-    after = f" after {result.iterations} iterations" if result.iterations else ""
+    plural = "" if result.iterations == 1 else "s"
+    after = f" after {result.iterations} iteration{plural}" if result.iterations else ""
     lines.append(f"  ended       {result.outcome.value}{after}. {result.outcome.advice}")
     count = int(result.outliers.sum())
     used = int(result.samples.usable.any(axis=1).sum())
