@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -241,3 +242,30 @@ def test_a_reader_that_goes_away_does_not_stop_the_work(paint_csv: Path) -> None
         process.stdout.close()
         assert process.stderr.read() == b""
         assert process.wait() == 0
+
+
+_SLOW_PICTURE = """
+import sys, time
+import brdfit.report.fit_outputs as fit_outputs
+from brdfit.cli import main
+def draw(result, rgb, coverage, path, progress):
+    path.write_text("half")
+    print("drawing", flush=True)
+    time.sleep(60)
+fit_outputs.draw_fit = draw
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_fit_that_is_stopped_while_it_writes_leaves_nothing(
+    paint_csv: Path, number: signal.Signals, code: int
+) -> None:
+    words = ["fit", str(paint_csv), "-o", str(paint_csv.with_suffix(".npz"))]
+    command = [sys.executable, "-c", _SLOW_PICTURE, *words, "-q", "--method", "tabulated"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "drawing\n"
+        process.send_signal(number)
+        assert process.wait(30) == code
+    assert os.listdir(paint_csv.parent) == ["paint.csv"]
