@@ -14,6 +14,7 @@ import numpy as np
 import scipy  # its parts are imported when they are first used
 
 from brdfit.arrays import FloatArray
+from brdfit.errors import FitError
 
 __all__ = ["NormalEquations", "RidgeFit", "nonnegative", "ridge", "ridge_with_intercept"]
 
@@ -120,7 +121,10 @@ def _factor(gram: FloatArray) -> FloatArray:
             return np.asarray(scipy.linalg.cholesky(lifted, check_finite=False))
         except scipy.linalg.LinAlgError:
             continue
-    raise FloatingPointError("the Gram matrix is not positive semidefinite: NaN in the design?")
+    raise FitError(
+        f"a Gram matrix of {len(gram)} columns is not positive semidefinite even when lifted by "
+        f"{_LIFTS[-1]:g}: the design holds values that are not finite."
+    )
 
 
 def ridge_with_intercept(

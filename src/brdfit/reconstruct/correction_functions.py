@@ -34,6 +34,11 @@ __all__ = ["CorrectedCombination", "CorrectionFunctions"]
 _FEWEST = 8
 
 
+# Candidates of the generalised cross-validation. Below the lowest, outliers that are not yet
+# weighted down are fitted as if they were signal; the highest makes a correction a constant.
+_DAMPINGS = tuple(float(10.0**e) for e in range(-4, 1))
+
+
 @dataclass(frozen=True, eq=False)
 class CorrectedCombination:
     """The fitted model: rho~ = combination * sigma_1 * sigma_2 * ..."""
@@ -78,9 +83,9 @@ class CorrectionFunctions:
     """Materials to lean on: published, nbrdf, an archive of networks, or a folder of MERL files."""
     error_metric: str = "log"
     """Error metric of the initial estimate and of the correction basis: linear, root or log."""
-    gamma: float = 6.0
+    gamma: float = 8.0
     """How fast the weight of a sample falls with its relative deviation: exp(-gamma d)."""
-    softening: float = 0.5
+    softening: float = 0.7
     """While the estimate is poor, gamma is lowered to this over the 20th percentile of d."""
     iterations: int = 8
     """Largest number of corrections."""
@@ -183,10 +188,6 @@ class CorrectionFunctions:
         if outliers.sum() > 0.5 * usable:
             return Outcome.MOSTLY_OUTLIERS
         return loop.outcome
-
-
-# Candidates of the generalised cross-validation. The upper end makes a correction a constant.
-_DAMPINGS = tuple(float(10.0**e) for e in np.arange(-7.0, 1.0))
 
 
 def _residuals(samples: Samples, targets: Targets, log_estimate: FloatArray) -> FloatArray:
