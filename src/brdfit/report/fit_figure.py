@@ -32,7 +32,7 @@ __all__ = ["Slice", "draw_fit", "slices_of"]
 _SPHERE_SIZE = 128
 # Radians between the points of an area light: coarser than for a picture of its own, since
 # the time goes with the number of points.
-_SPACING = 0.12
+_SPACING = 0.15
 # How far a measurement may lie from the plane and the angle of a slice and be drawn on it.
 _PLANE = np.radians(5.0)
 _ANGLE = np.radians(3.0)
@@ -129,12 +129,12 @@ def draw_fit(
         ax = figure.add_subplot(bottom[index])
         _draw_slice(ax, result, one)
     figure.legend(*ax.get_legend_handles_labels(), ncols=5, fontsize=8, loc=(0.062, 0.475))
-    figure.suptitle(_title(result, coverage), fontsize=11, x=0.012, ha="left", color=_INK)
+    figure.suptitle(_headline(result, coverage), fontsize=11, x=0.012, ha="left", color=_INK)
     figure.savefig(path, format="png")
     progress("drawing", 4, 4)
 
 
-def _title(result: Reconstruction, coverage: Coverage | None) -> str:
+def _headline(result: Reconstruction, coverage: Coverage | None) -> str:
     used = int(result.samples.usable.any(axis=1).sum())
     share = "" if coverage is None else f", {coverage.share:.0%} of the domain within reach"
     return (
@@ -144,11 +144,16 @@ def _title(result: Reconstruction, coverage: Coverage | None) -> str:
     )
 
 
+def _title(ax: Any, text: str) -> None:
+    # With y given matplotlib does not lay out all labels once more to find a free height.
+    ax.set_title(text, fontsize=10, color=_INK, y=1.0)
+
+
 def _draw_sphere(ax: Any, rgb: Table, light: Illumination) -> None:
     from brdfit.render import Sphere
 
     ax.set_axis_off()
-    ax.set_title(f"sphere, {light.name.replace('_', ' ')}", fontsize=10, color=_INK)
+    _title(ax, f"sphere, {light.name.replace('_', ' ')}")
     sphere = Sphere(_SPHERE_SIZE)
     linear = sphere.shade(rgb, light)
     try:
@@ -163,11 +168,7 @@ def _draw_sphere(ax: Any, rgb: Table, light: Illumination) -> None:
 
 def _draw_image_slice(ax: Any, rgb: Table, samples: Samples) -> None:
     """Draw the table at phi_d = 90 degrees, and where the samples are."""
-    ax.set_title(
-        "table at phi_d = 90\N{DEGREE SIGN} (log tones), and samples",
-        fontsize=10,
-        color=_INK,
-    )
+    _title(ax, "table at phi_d = 90\N{DEGREE SIGN} (log tones), and samples")
     ax.set_xlabel("theta_h (square-root scale)", fontsize=9)
     ax.set_ylabel("theta_d", fontsize=9)
     half_h, half_d = 0.5 / rgb.grid.n_theta_h, 45.0 / rgb.grid.n_theta_d
@@ -230,13 +231,10 @@ def _draw_slice(ax: Any, result: Reconstruction, one: Slice) -> None:
     ax.plot([], [], "x", color=_OUTLIER, markersize=5, label="taken for an outlier")
     ax.axvline(np.degrees(one.theta_i), color="#999999", linewidth=0.6, linestyle=":")
     ax.set_yscale("log")
+    ax.minorticks_off()
     ax.set_xlim(-90.0, 90.0)
     ax.set_xticks(np.arange(-90, 91, 30))
-    ax.set_title(
-        f"theta_i = {np.degrees(one.theta_i):.0f}\N{DEGREE SIGN}, plane of incidence",
-        fontsize=10,
-        color=_INK,
-    )
+    _title(ax, f"theta_i = {np.degrees(one.theta_i):.0f}\N{DEGREE SIGN}, plane of incidence")
     ax.set_xlabel("theta_o (degrees; mirror side > 0)", fontsize=9)
     ax.set_ylabel("f_r (1/sr)", fontsize=9)
     ax.tick_params(labelsize=8)

@@ -12,8 +12,11 @@ from __future__ import annotations
 
 import json
 import math
+import threading
 from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +30,7 @@ from brdfit.report.fit_figure import draw_fit
 from brdfit.report.rgb import Conversion, rgb_table
 from brdfit.report.samples_csv import write_samples_csv
 from brdfit.table import Table
+from brdfit.tone import colour_library
 
 __all__ = ["FitOutputs", "FitPaths", "write_fit"]
 
@@ -98,6 +102,7 @@ def write_fit(
     """
     from brdfit.formats import write_table
 
+    _import_ahead(spectral=result.samples.wavelengths is not None)
     full = result.table(grid, progress)
     rgb, conversion = rgb_table(full)
     written, cost = full, Conversion("none", full.n_channels)
@@ -113,6 +118,22 @@ def write_fit(
     }
     write_set(writers)
     return FitOutputs(paths, written, cost, record)
+
+
+def _import_ahead(spectral: bool) -> None:
+    """Import on another thread what is needed next, while the dense result is computed.
+
+    Array arithmetic leaves a second processor to it, and colour alone takes a second or
+    two. Where it fails, the import that follows says why.
+    """
+
+    def load() -> None:
+        with suppress(Exception):
+            import_module("matplotlib.backends.backend_agg")
+            if spectral:
+                colour_library()
+
+    threading.Thread(target=load, daemon=True).start()
 
 
 def _table_format(path: Path) -> str:
