@@ -22,8 +22,9 @@ from brdfit.errors import UsageError
 __all__ = ["ERROR_METRICS", "ErrorMetric", "error_metric"]
 
 # ln of the smallest value a decoded combination may take: combinations of members may
-# reach zero, whose logarithm nobody wants.
-_LOG_SMALLEST = float(np.log(1e-6))
+# reach zero, whose logarithm nobody wants. The largest keeps a fit that runs away between
+# its samples finite in single precision.
+_LOG_SMALLEST, _LOG_LARGEST = float(np.log(1e-6)), float(np.log(1e12))
 
 
 @dataclass(frozen=True)
@@ -45,11 +46,11 @@ class ErrorMetric:
         return np.asarray(np.exp(self.power * log_value))
 
     def decode(self, encoded: FloatArray) -> FloatArray:
-        """Return ln f of g(f), any shape; nothing below ln 1e-6 comes back."""
+        """Return ln f of g(f), any shape, held between ln 1e-6 and ln 1e12."""
         if self.power == 0.0:
-            return np.asarray(np.maximum(encoded, _LOG_SMALLEST))
-        smallest = np.exp(self.power * _LOG_SMALLEST)
-        return np.asarray(np.log(np.maximum(encoded, smallest)) / self.power)
+            return np.asarray(np.clip(encoded, _LOG_SMALLEST, _LOG_LARGEST))
+        low, high = np.exp(self.power * np.array([_LOG_SMALLEST, _LOG_LARGEST]))
+        return np.asarray(np.log(np.clip(encoded, float(low), float(high))) / self.power)
 
 
 ERROR_METRICS = {
