@@ -1,3 +1,14 @@
-"""report."""
+"""What is told of a fit and of two BRDFs: figures, records, pictures, and the files they go to.
+
+    fit_outputs   the four files of a fit, together or not at all
+    fit_figure    the picture of a fit
+    samples_csv   the samples with their weight and residual
+    coverage      where the samples lie
+    compare       one BRDF against another under every metric
+    rgb           a table of any channels as R, G, B, and what that cost
+    demo_input    measurements for the demonstration
+
+Nothing here prints; the command line says what these return.
+"""
 
 from __future__ import annotations

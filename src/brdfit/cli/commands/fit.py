@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from brdfit.bench.workers import limit_threads
 from brdfit.cli.console import Console
 from brdfit.cli.declaration import add_reading_options, reading_options
 from brdfit.cli.parser import Parser
@@ -40,6 +41,9 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def add_method_options(parser: Parser, rest: Sequence[str]) -> None:
     """Add --method, --basis, and the options of the method that `rest` names."""
+    # Before numpy is imported: the dense result runs on threads of its own, and a threaded
+    # linear algebra beneath them, or beneath another program's, waits more than it works.
+    limit_threads()
     from brdfit.reconstruct import METHODS
 
     default = next(iter(METHODS))
