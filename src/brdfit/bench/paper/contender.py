@@ -44,6 +44,10 @@ class Contender(Protocol):
     def cost(self) -> int:
         """How long a case takes beside one of the others, for the estimate of time left."""
 
+    @property
+    def metric(self) -> str | None:
+        """The error metric of its settings, None where there is none."""
+
     def record(self) -> dict[str, Any]:
         """Return the settings as JSON-able values."""
 
@@ -109,7 +113,8 @@ class ErrorWork:
         return {
             "key": f"{part}|{name}|{material}|d{case.data_ratio:g}|o{outlier_ratio:g}",
             "part": part,
-            "method": name,
+            "method": name.split(":")[0],
+            "metric": self.contenders[name].metric,
             "material": material,
             "data_ratio": case.data_ratio,
             "outlier_ratio": outlier_ratio,

@@ -17,6 +17,7 @@ from brdfit.linalg import NormalEquations, nonnegative
 from brdfit.reconstruct.combination import Combination, encode_members
 from brdfit.reconstruct.correction_basis import CorrectionBasis, MemberGram
 from brdfit.reconstruct.correction_functions import CorrectionFunctions
+from brdfit.reconstruct.corrections import log_of_corrections
 from brdfit.reconstruct.global_basis import GlobalBasis
 from brdfit.reconstruct.local_basis import LocalBasis
 from brdfit.reconstruct.members import MemberRows
@@ -83,6 +84,11 @@ class Combined:
     title: str = "Glo"
     cost: int = 20
 
+    @property
+    def metric(self) -> str | None:
+        """The error metric of the method."""
+        return self.method.error_metric
+
     def record(self) -> dict[str, Any]:
         """Return the settings as JSON-able values."""
         return _record(self.method)
@@ -134,6 +140,11 @@ class Corrected:
     cost: int = 100
     _gram: dict[int, MemberGram] = field(default_factory=dict, repr=False)
 
+    @property
+    def metric(self) -> str | None:
+        """The error metric of the method."""
+        return self.method.error_metric
+
     def record(self) -> dict[str, Any]:
         """Return the settings as JSON-able values."""
         return _record(self.method)
@@ -158,8 +169,8 @@ class Corrected:
             rows, _targets(values), roles, prepared.basis, basis_values
         )
         log_value = combination.log_value(prepared.target)
-        for correction in loop.corrections:
-            log_value = log_value + correction.log_value(prepared.target_values)
+        if loop.corrections:
+            log_value = log_value + log_of_corrections(loop.corrections, prepared.target_values)
         return np.exp(log_value)
 
 
@@ -212,6 +223,11 @@ class Splined:
     cost: int = 20
     _target: dict[int, Any] = field(default_factory=dict, repr=False)
 
+    @property
+    def metric(self) -> str | None:
+        """The error metric of the method."""
+        return self.method.error_metric
+
     def record(self) -> dict[str, Any]:
         """Return the settings as JSON-able values."""
         return _record(self.method)
@@ -246,6 +262,11 @@ class Interpolated:
     method: Tabulated
     title: str = "Tab"
     cost: int = 20
+
+    @property
+    def metric(self) -> str | None:
+        """An interpolant has none."""
+        return None
 
     def record(self) -> dict[str, Any]:
         """Return the settings as JSON-able values."""

@@ -67,10 +67,16 @@ class Summary:
         return len({record["material"] for record in self.part("errors")})
 
     def sensitivity(self, method: str) -> dict[str, float]:
-        """Return the mean perceptual error by error metric."""
+        """Return the mean perceptual error by error metric: all data, no outliers.
+
+        The metric of the tables of errors was made there, the others in a part of their own.
+        """
         found: dict[str, list[float]] = {}
-        for record in self.part("sensitivity"):
-            if record["method"] == method:
+        tabled = [record for record in self.part("errors") if record["outlier_ratio"] == 0.0]
+        most = max((record["data_ratio"] for record in tabled), default=0.0)
+        tabled = [record for record in tabled if record["data_ratio"] == most]
+        for record in [*self.part("sensitivity"), *tabled]:
+            if record["method"] == method and record["metric"] is not None:
                 found.setdefault(record["metric"], []).append(record["error"])
         return {metric: float(np.mean(errors)) for metric, errors in found.items()}
 
