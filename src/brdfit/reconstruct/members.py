@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,8 @@ _CHUNK = 8192
 # Bands below and above these wavelengths (nm) lean on the blue and the red of the population.
 _BLUE_BELOW, _RED_ABOVE = 490.0, 580.0
 _LABEL = "dense result"
+# Blocks evaluated side by side: enough for a desktop, bounded for its memory.
+_THREADS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +48,6 @@ class MemberRows:
         return cls(
             tuple(dense.block(c, start, stop) for c in range(len(dense.population.channels)))
         )
-
-    @classmethod
-    def read_rows(cls, dense: Columns, index: IntArray) -> MemberRows:
-        """Take the rows of `index` of the dense columns."""
-        return cls(tuple(dense.rows(c, index) for c in range(len(dense.population.channels))))
 
     def __len__(self) -> int:
         return int(self.logs[0].shape[0])
@@ -98,10 +96,16 @@ def on_grid(
     two cells: it is evaluated once.
     """
     dense = columns(population, grid, progress)
+    starts = range(0, len(dense), _CHUNK)
+
+    def block(start: int) -> FloatArray:
+        return evaluate(MemberRows.read(dense, start, start + _CHUNK)).astype(np.float32)
+
+    # numpy lets go of the interpreter in its loops: two threads keep two cores busy
     blocks = []
-    for start in range(0, len(dense), _CHUNK):
-        progress(_LABEL, start, len(dense))
-        rows = MemberRows.read(dense, start, start + _CHUNK)
-        blocks.append(evaluate(rows).astype(np.float32))
+    with ThreadPoolExecutor(_THREADS) as pool:
+        for done, values in enumerate(pool.map(block, starts)):
+            progress(_LABEL, done * _CHUNK, len(dense))
+            blocks.append(values)
     progress(_LABEL, len(dense), len(dense))
     return np.concatenate(blocks)[dense.expand]
