@@ -39,9 +39,11 @@ class NormalEquations:
 
         The product runs in the precision of `x`; the sums are returned in float64.
         """
-        weighted = x * weights[:, None].astype(x.dtype)
-        gram = (weighted.T @ x).astype(np.float64)
-        moment = (weighted.T @ y.astype(x.dtype)).astype(np.float64)
+        # Rooted weights on both sides make the product symmetric: half the work of any other.
+        root = np.sqrt(weights)
+        scaled = x * root[:, None].astype(x.dtype)
+        gram = (scaled.T @ scaled).astype(np.float64)
+        moment = (scaled.T @ (y.T * root).T.astype(x.dtype)).astype(np.float64)
         power = np.einsum("n,n...->...", weights, np.asarray(y, dtype=np.float64) ** 2)
         return cls(gram, moment, float(weights.sum()), np.asarray(power))
 
@@ -65,7 +67,7 @@ def ridge(equations: NormalEquations, dampings: Sequence[float]) -> RidgeFit:
     Of several dampings the one with the smallest generalised cross-validation score wins
     (Golub, Heath, Wahba 1979): (RSS / n) / (1 - freedom / n)^2, summed over the right-hand
     sides, n being the total weight. All are judged from one eigendecomposition. Dampings
-    are relative to the total weight: repeating every row changes nothing but n.
+    are relative to the total weight, and above 0: repeating every row changes nothing but n.
     """
     eigenvalue, vector = np.linalg.eigh(equations.gram / equations.total)
     eigenvalue = np.maximum(eigenvalue, 0.0)
@@ -90,7 +92,7 @@ def nonnegative(equations: NormalEquations, free: int = 0) -> FloatArray:
 
     The last `free` coefficients may be negative. The Gram matrix is scaled to unit diagonal
     and factored once for all right-hand sides; the active-set solver is SciPy's (Lawson and
-    Hanson 1974).
+    Hanson 1974). Raises `FitError` where the equations are not finite, or do not come to an end.
     """
     scale = np.sqrt(np.maximum(np.diag(equations.gram), np.finfo(float).tiny))
     gram = equations.gram / scale[:, None] / scale
@@ -102,9 +104,15 @@ def nonnegative(equations: NormalEquations, free: int = 0) -> FloatArray:
         # a free coefficient is the difference of two non-negative ones
         sign = np.hstack([sign, -sign[:, -free:]])
     columns = factor @ sign
-    solutions = [
-        scipy.optimize.nnls(columns, column, maxiter=30 * len(sign))[0] for column in target.T
-    ]
+    try:
+        solutions = [
+            scipy.optimize.nnls(columns, column, maxiter=30 * len(sign))[0] for column in target.T
+        ]
+    except RuntimeError as error:
+        raise FitError(
+            f"non-negative least squares of {len(scale)} columns did not end within "
+            f"{30 * len(sign)} steps: columns are nearly equal. Leave some out."
+        ) from error
     result = sign @ np.stack(solutions, axis=1) / scale[:, None]
     return np.asarray(result.reshape(equations.moment.shape))
 
@@ -115,7 +123,7 @@ def _factor(gram: FloatArray) -> FloatArray:
     Gram matrices of nearly equal columns, summed in single precision, have eigenvalues that
     rounding made negative.
     """
-    for lift in _LIFTS:
+    for lift in _LIFTS if np.isfinite(gram).all() else ():
         try:
             lifted = gram + lift * np.eye(len(gram))
             return np.asarray(scipy.linalg.cholesky(lifted, check_finite=False))

@@ -19,7 +19,10 @@ from brdfit.reconstruct.targets import Targets, pooled
 from brdfit.robust import cauchy
 from brdfit.transform import ErrorMetric
 
-__all__ = ["Combination", "RobustStart", "encode_members", "fit_combination"]
+__all__ = ["Combination", "RobustStart", "combine", "encode_members", "fit_combination"]
+
+# Of the draw of samples for a robust start: the same samples give the same result.
+_SEED = 1409
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,8 @@ class RobustStart:
     """ln units: residuals well above it hardly count (Cauchy weight)."""
     iterations: int = 4
     """Reweighted fits after the start from the nearest member."""
+    rows: int = 20_000
+    """Samples that it looks at, drawn at random from more: a hundred coefficients need no more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +49,19 @@ class Combination:
         """Return ln of the combination, (m, c)."""
         result = np.empty((len(rows), len(self.roles)), dtype=np.float32)
         for role in np.unique(self.roles):
-            x = encode_members(rows.logs[role], self.metric)
             channels = np.flatnonzero(self.roles == role)
-            result[:, channels] = x @ self.coefficients[channels].T.astype(x.dtype)
-        return self.metric.decode(result)
+            log = rows.logs[role]
+            result[:, channels] = combine(log, self.metric, self.coefficients[channels])
+        return result
+
+
+def combine(log: FloatArray, metric: ErrorMetric, coefficients: FloatArray) -> FloatArray:
+    """Return ln of combinations (m, c) of members (m, k) by coefficients (c, k) or (c, k + 1)."""
+    k = log.shape[1]
+    combined = metric.encode(log) @ coefficients[:, :k].T.astype(log.dtype)
+    if metric.needs_constant:
+        combined += coefficients[:, k].astype(log.dtype)
+    return metric.decode(combined)
 
 
 def encode_members(log: FloatArray, metric: ErrorMetric) -> FloatArray:
@@ -71,6 +85,9 @@ def fit_combination(
     Without `robust` this is plain least squares over all positive values, as published.
     With it, the nearest single member up to a scale starts, and Cauchy-weighted fits follow.
     """
+    if robust is not None and len(rows) > robust.rows:
+        some = np.sort(np.random.default_rng(_SEED).permutation(len(rows))[: robust.rows])
+        rows, targets = rows.take(some), targets.take(some)
     problem = _Problem(rows, targets, roles, metric)
     if robust is None:
         return problem.solve((targets.usable & ~targets.censored).astype(np.float64))

@@ -21,19 +21,20 @@ from functools import cached_property
 import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
+from brdfit.grid import MERL_GRID, Grid
 from brdfit.linalg import NormalEquations, nonnegative
-from brdfit.populations import Columns, Population, remember
+from brdfit.populations import Population, remember
 from brdfit.progress import Progress
-from brdfit.reconstruct.combination import encode_members
+from brdfit.reconstruct.combination import combine, encode_members
 from brdfit.reconstruct.members import MemberRows
 from brdfit.transform import ErrorMetric
 
-__all__ = ["CorrectionBasis", "MemberGram", "correction_basis", "training_rows"]
+__all__ = ["CorrectionBasis", "MemberGram", "correction_basis", "training_cells"]
 
 # Raise it when the coefficients of the same population would change.
-_VERSION = 1
-# Cells of the dense columns that the leave-one-out combinations are fitted to, and the seed
-# of their draw.
+_VERSION = 2
+# Cells of the MERL grid that the leave-one-out combinations are fitted to, and the seed of
+# their draw. The members are asked there: no dense columns are needed.
 _TRAINING_CELLS = 20_000
 _SEED = 1409
 # |ln C| is held to this: a combination that vanishes somewhere must not blow a correction up.
@@ -84,12 +85,15 @@ class CorrectionBasis:
 
     def evaluate(self, rows: MemberRows) -> FloatArray:
         """Return C_i at the rows' directions, (m, size), float32."""
-        blocks = []
-        for log, matrix in zip(rows.logs, self.coefficients, strict=True):
-            combined = encode_members(log, self.metric) @ matrix.T.astype(log.dtype)
-            log_c = log - self.metric.decode(combined)
-            blocks.append(np.exp(np.clip(log_c, -_LOG_RANGE, _LOG_RANGE)))
-        return np.concatenate(blocks, axis=1)
+        k = rows.members
+        result = np.empty((len(rows), self.size), dtype=np.float32)
+        for channel, (log, matrix) in enumerate(zip(rows.logs, self.coefficients, strict=True)):
+            combined = combine(log, self.metric, matrix)
+            # in place: on a whole grid these arrays are what takes the time
+            log_c = np.subtract(log, combined, out=result[:, channel * k : (channel + 1) * k])
+            np.clip(log_c, -_LOG_RANGE, _LOG_RANGE, out=log_c)
+            np.exp(log_c, out=log_c)
+        return result
 
 
 def _leave_one_out(gram: FloatArray, group: IntArray) -> FloatArray:
@@ -105,24 +109,24 @@ def _leave_one_out(gram: FloatArray, group: IntArray) -> FloatArray:
     return result
 
 
-def training_rows(dense: Columns) -> IntArray:
-    """Return the rows of the dense columns that leave-one-out combinations are fitted to."""
+def training_cells(grid: Grid) -> IntArray:
+    """Return the cells (flat) that the leave-one-out combinations are fitted to."""
     rng = np.random.default_rng(_SEED)
-    return np.sort(rng.choice(len(dense), min(_TRAINING_CELLS, len(dense)), replace=False))
+    return np.sort(rng.choice(grid.cells, min(_TRAINING_CELLS, grid.cells.size), replace=False))
 
 
 def correction_basis(
-    population: Population, metric: ErrorMetric, dense: Columns, progress: Progress
+    population: Population, metric: ErrorMetric, progress: Progress
 ) -> CorrectionBasis:
     """Return the correction basis of a population, computed once and kept in the cache."""
 
     def build() -> dict[str, np.ndarray]:
         progress("correction basis", 0, 1)
-        rows = MemberRows.read_rows(dense, training_rows(dense))
+        rows = MemberRows.at(population, *MERL_GRID.directions(training_cells(MERL_GRID)))
         basis = CorrectionBasis.build(MemberGram.of(rows, metric), population.materials)
         progress("correction basis", 1, 1)
-        return {f"channel{c}": matrix for c, matrix in enumerate(basis.coefficients)}
+        return {str(c): matrix for c, matrix in enumerate(basis.coefficients)}
 
-    key = f"{population.fingerprint} {population.selected} {metric.name} {dense.grid} {_VERSION}"
+    key = f"{population.fingerprint} {population.selected} {metric.name} {_VERSION}"
     arrays = remember("correction-basis", key, build)
-    return CorrectionBasis(metric, tuple(arrays[name] for name in sorted(arrays)))
+    return CorrectionBasis(metric, tuple(arrays[str(c)] for c in range(len(arrays))))

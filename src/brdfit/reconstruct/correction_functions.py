@@ -13,13 +13,18 @@ from typing import ClassVar
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray, IntArray
-from brdfit.errors import UsageError
-from brdfit.grid import MERL_GRID, Grid
-from brdfit.populations import Population, columns, population
+from brdfit.grid import Grid
+from brdfit.populations import Population, population
 from brdfit.progress import Progress, silent
+from brdfit.reconstruct.checks import check_above, check_count
 from brdfit.reconstruct.combination import Combination, RobustStart, fit_combination
 from brdfit.reconstruct.correction_basis import CorrectionBasis, correction_basis
-from brdfit.reconstruct.corrections import Correction, CorrectionLoop, LoopResult
+from brdfit.reconstruct.corrections import (
+    Correction,
+    CorrectionLoop,
+    LoopResult,
+    log_of_corrections,
+)
 from brdfit.reconstruct.members import MemberRows, channel_roles, on_grid
 from brdfit.reconstruct.outcome import Outcome
 from brdfit.reconstruct.outliers import find_outliers
@@ -56,8 +61,7 @@ class CorrectedCombination:
         result = self.combination.log_value(rows)
         if self.corrections:
             values = self.basis.evaluate(rows) if basis_values is None else basis_values
-            for correction in self.corrections:
-                result = result + correction.log_value(values)
+            result = result + log_of_corrections(self.corrections, values)
         return result
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
@@ -102,15 +106,12 @@ class CorrectionFunctions:
 
     def __post_init__(self) -> None:
         error_metric(self.error_metric)
-        for field, low in (("gamma", 0.0), ("softening", 0.0), ("tolerance", 0.0)):
-            if not getattr(self, field) > low:
-                raise UsageError(f"{field}: found {getattr(self, field)} but it must be > {low:g}.")
-        if self.iterations < 0:
-            raise UsageError(f"iterations: found {self.iterations} but it must be >= 0.")
-        if self.sigma_limit <= 1.0:
-            raise UsageError(f"sigma_limit: found {self.sigma_limit} but it must be > 1.")
-        if self.damping is not None and self.damping < 0.0:
-            raise UsageError(f"damping: found {self.damping} but it must be >= 0.")
+        for name, low in (("gamma", 0.0), ("softening", 0.0), ("tolerance", 0.0)):
+            check_above(name, getattr(self, name), low)
+        check_above("sigma_limit", self.sigma_limit, 1.0)
+        check_count("iterations", self.iterations, 0)
+        if self.damping is not None:
+            check_above("damping", self.damping, 0.0)
 
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the reconstruction of `samples` (any number of channels).
@@ -121,8 +122,7 @@ class CorrectionFunctions:
         samples.require_usable()
         materials = population(self.population)
         metric = error_metric(self.error_metric)
-        dense = columns(materials, MERL_GRID, progress)
-        basis = correction_basis(materials, metric, dense, progress)
+        basis = correction_basis(materials, metric, progress)
         rows = MemberRows.at(materials, *samples.safe_directions)
         targets = Targets.of(samples)
         roles = channel_roles(samples, materials)

@@ -13,7 +13,7 @@ draw sigma to a constant instead of to zero.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +25,7 @@ from brdfit.reconstruct.outcome import Outcome
 from brdfit.reconstruct.targets import Targets, pooled
 from brdfit.robust import relative_exponential
 
-__all__ = ["Correction", "CorrectionLoop", "LoopResult"]
+__all__ = ["Correction", "CorrectionLoop", "LoopResult", "log_of_corrections"]
 
 # A single correction factor beyond this cannot be a correction; it would only pull on beta
 # through what is left of its weight.
@@ -51,9 +51,18 @@ class Correction:
 
     def log_value(self, basis_values: FloatArray) -> FloatArray:
         """Return ln sigma (m, c) from C_j (m, K); sigma is held in [1 / limit, limit]."""
-        coefficients = self.coefficients.astype(basis_values.dtype)
-        sigma = basis_values @ coefficients + self.intercept.astype(basis_values.dtype)
-        return np.asarray(np.log(np.clip(sigma, 1.0 / self.limit, self.limit)))
+        return log_of_corrections((self,), basis_values)
+
+
+def log_of_corrections(corrections: Sequence[Correction], basis_values: FloatArray) -> FloatArray:
+    """Return ln (sigma_1 sigma_2 ...) (m, c) from C_j (m, K): one product for all of them."""
+    dtype = basis_values.dtype
+    n, limit = len(corrections), corrections[0].limit
+    coefficients = np.concatenate([c.coefficients for c in corrections], axis=1).astype(dtype)
+    sigma = basis_values @ coefficients
+    sigma += np.concatenate([c.intercept for c in corrections]).astype(dtype)
+    np.clip(sigma, 1.0 / limit, limit, out=sigma)
+    return np.asarray(np.log(sigma.reshape(len(sigma), n, -1).prod(axis=1)))
 
 
 @dataclass(frozen=True, eq=False)

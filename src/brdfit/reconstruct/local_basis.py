@@ -20,10 +20,10 @@ import numpy as np
 import scipy  # its parts are imported when they are first used
 
 from brdfit.arrays import BoolArray, FloatArray
-from brdfit.errors import UsageError
 from brdfit.geometry import half_diff_from_directions, wrap_phi_d
 from brdfit.grid import Grid
 from brdfit.progress import Progress, silent
+from brdfit.reconstruct.checks import check_above, check_count
 from brdfit.reconstruct.combination import equal_columns
 from brdfit.reconstruct.result import Reconstruction, direct_result
 from brdfit.reconstruct.targets import Targets
@@ -91,8 +91,9 @@ def _periodic(x: FloatArray, n: int) -> Any:
 def _row_product(a: Any, b: Any) -> Any:
     """Return the matrix whose row i is the Kronecker product of row i of a and of b."""
     left, right = scipy.sparse.csr_array(a), scipy.sparse.csr_array(b)
-    rows, k, m = left.shape[0], _DEGREE + 1, right.nnz // max(right.shape[0], 1)
-    k = left.nnz // max(rows, 1)
+    rows = left.shape[0]
+    # every row of a design has as many entries as every other
+    k, m = (matrix.nnz // max(rows, 1) for matrix in (left, right))
     columns = (
         left.indices.reshape(rows, k, 1) * right.shape[1] + right.indices.reshape(rows, 1, m)
     ).ravel()
@@ -138,6 +139,8 @@ class SplineModel:
             progress("dense result", channel, result.shape[1])
             q = self.coefficients[:, channel].reshape(self.space.shape)
             full = np.einsum("ia,abc,jb,kc->ijk", a, q, b, c, optimize=True)
+            # at the poles all azimuths are one direction, whose phi_d is 0
+            full[0], full[:, 0] = full[0, :, :1], full[:, 0, :1]
             encoded = full.reshape(-1)[grid.cells] + self.mean[channel]
             result[:, channel] = np.exp(self.metric.decode(encoded) + self.log_scale[channel])
         progress("dense result", result.shape[1], result.shape[1])
@@ -167,12 +170,9 @@ class LocalBasis:
 
     def __post_init__(self) -> None:
         error_metric(self.error_metric)
-        if not self.smoothing > 0.0:
-            raise UsageError(f"smoothing: found {self.smoothing} but it must be > 0.")
-        for field in ("n_theta_h", "n_theta_d", "n_phi_d"):
-            size = getattr(self, field)
-            if size < _DEGREE + 1:
-                raise UsageError(f"{field}: found {size} but at least 4 are needed.")
+        check_above("smoothing", self.smoothing, 0.0)
+        for name in ("n_theta_h", "n_theta_d", "n_phi_d"):
+            check_count(name, getattr(self, name), _DEGREE + 1)
 
     @property
     def space(self) -> SplineSpace:

@@ -18,6 +18,7 @@ from brdfit.errors import UsageError
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import Grid
 from brdfit.progress import Progress, silent
+from brdfit.reconstruct.checks import check_count
 from brdfit.reconstruct.result import Reconstruction, direct_result
 from brdfit.samples import Samples
 
@@ -103,8 +104,7 @@ class Tabulated:
             raise UsageError(
                 f"kernel: found {self.kernel!r} but expected one of {', '.join(_KERNELS)}."
             )
-        if self.neighbors < 8:
-            raise UsageError(f"neighbors: found {self.neighbors} but at least 8 are needed.")
+        check_count("neighbors", self.neighbors, 8)
 
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the interpolant of all usable values, zeros and negatives included.

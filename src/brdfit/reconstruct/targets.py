@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brdfit.arrays import BoolArray, FloatArray
+from brdfit.arrays import BoolArray, FloatArray, IntArray
 from brdfit.errors import SampleError
 from brdfit.samples import Samples
 
@@ -45,7 +45,7 @@ class Targets:
         log_value = np.log(np.where(usable, value, 1.0))
         return cls(np.where(usable, log_value, np.nan), usable, usable & samples.censored)
 
-    def take(self, rows: BoolArray) -> Targets:
+    def take(self, rows: BoolArray | IntArray) -> Targets:
         """Return the targets of some rows."""
         return Targets(self.log_value[rows], self.usable[rows], self.censored[rows])
 
