@@ -140,12 +140,17 @@ def ridge_with_intercept(
 ) -> tuple[FloatArray, RidgeFit]:
     """Fit y ~ intercept + x a with an undamped intercept; return (intercept (c,), fit of a).
 
-    x (n, k), y (n, c), weights (n,) >= 0 with a positive sum. Columns are centred on their
-    weighted means first, which takes the intercept out of the problem.
+    x (n, k), y (n, c), weights (n,) >= 0 with a positive sum. The weighted means are taken
+    out of the sums, which takes the intercept out of the problem without a centred copy of x.
     """
-    total = weights.sum()
-    x_mean = (weights.astype(x.dtype) @ x).astype(np.float64) / total
-    y_mean = weights @ y / total
-    equations = NormalEquations.of(x - x_mean.astype(x.dtype), y - y_mean, weights)
-    fit = ridge(equations, dampings)
+    raw = NormalEquations.of(x, y, weights)
+    x_mean = (weights.astype(x.dtype) @ x).astype(np.float64) / raw.total
+    y_mean = weights @ y / raw.total
+    centred = NormalEquations(
+        raw.gram - raw.total * np.outer(x_mean, x_mean),
+        raw.moment - raw.total * np.outer(x_mean, y_mean),
+        raw.total,
+        raw.power - raw.total * y_mean**2,
+    )
+    fit = ridge(centred, dampings)
     return y_mean - x_mean @ fit.coefficients, fit

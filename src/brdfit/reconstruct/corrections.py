@@ -34,6 +34,8 @@ _FACTOR_LIMIT = 10.0
 _DEVIATION_LIMIT = 1e3
 # Samples of smaller weight are left out of the sums.
 _NEGLIGIBLE = 1e-6
+# Below this share of used rows it pays to pick them out.
+_WORTH_PICKING = 0.5
 # Iterations without a smaller loss before the loop gives up.
 _PATIENCE = 2
 # Percentile of the deviations that counts as typical of the inliers: at up to 80 % outliers
@@ -136,8 +138,12 @@ class CorrectionLoop:
             used = weight > _NEGLIGIBLE
             if not used.any():
                 continue
+            # picking rows copies the largest array there is: only where it saves more, or
+            # where a row holds nothing
+            worth_it = used.mean() < _WORTH_PICKING or not weight.all()
+            rows = used if worth_it else slice(None)
             intercept[channels], fit = ridge_with_intercept(
-                basis_values[used], factors[np.ix_(used, channels)], weight[used], self.dampings
+                basis_values[rows], factors[rows][:, channels], weight[rows], self.dampings
             )
             coefficients[:, channels] = fit.coefficients
         return Correction(intercept, coefficients, self.sigma_limit)
