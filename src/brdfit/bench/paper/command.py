@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"how measurements go wrong (default: {DEFAULT_OUTLIERS})",
     )
     parser.add_argument(
-        "--full", action="store_true", help="measure every cell of the grid, not a tenth of them"
+        "--full", action="store_true", help="measure every cell of the grid, not a twentieth of them"
     )
     parser.add_argument(
         "--universe", type=share, default=0.1, help="share of the cells measured (default: 0.1)"

@@ -32,7 +32,7 @@ class PaperSettings:
     seed: int = 1
     outliers: str = DEFAULT_OUTLIERS
     """Outlier model, see `brdfit.bench.outliers`."""
-    universe: float = 0.1
+    universe: float = 0.05
     """Share of the grid's cells that are measurements at data ratio 1; 1 is every cell."""
     data_ratios: tuple[float, ...] = DATA_RATIOS
     outlier_ratios: tuple[float, ...] = OUTLIER_RATIOS
