@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--full", action="store_true", help="measure every cell of the grid, not a twentieth of them"
     )
     parser.add_argument(
-        "--universe", type=share, default=0.1, help="share of the cells measured (default: 0.1)"
+        "--universe", type=share, default=0.05, help="share of the cells measured (default: 0.05)"
     )
     parser.add_argument(
         "--materials", type=int, default=0, metavar="N", help="reconstruct only N (default: all)"
