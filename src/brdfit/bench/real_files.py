@@ -43,6 +43,9 @@ Evaluate = Callable[[FloatArray, FloatArray], FloatArray]
 """f_r (n, channels) at direction pairs (n, 3): what a fit leaves."""
 
 _FOLDERS = {"cornell": "*.astm", "rgl": "*.bsdf", "nist": "*.csv", "curet": "*.dat"}
+# An RGL file holds every measurement twice, mirrored at the plane of incidence: with both
+# halves, what is to be predicted would be copies of what was fitted.
+_OPTIONS: dict[str, dict[str, Any]] = {"rgl": {"half": True}}
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ def find_cases(folder: Path) -> list[RealCase]:
                     for material in _curet_materials(path)
                 ]
             else:
-                cases.append(RealCase(name, path))
+                cases.append(RealCase(name, path, _OPTIONS.get(laboratory, {})))
     if not cases:
         looked = ", ".join(f"{name}/{pattern}" for name, pattern in _FOLDERS.items())
         raise UsageError(
