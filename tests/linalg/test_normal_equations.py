@@ -1,4 +1,4 @@
-"""Least squares from normal equations: against closed forms, SciPy, and the conditions of optimality."""
+"""Least squares from normal equations: closed forms, SciPy, conditions of optimality."""
 
 from __future__ import annotations
 

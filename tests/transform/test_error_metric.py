@@ -53,5 +53,5 @@ def test_whatever_is_decoded_is_the_logarithm_of_a_positive_finite_value(name, e
 
 
 def test_an_unknown_metric_is_refused_with_the_names_there_are():
-    with pytest.raises(UsageError, match="'cubic'.*linear, root, log"):
+    with pytest.raises(UsageError, match=r"'cubic'.*linear, root, log"):
         error_metric("cubic")

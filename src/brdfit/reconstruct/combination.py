@@ -12,14 +12,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brdfit.arrays import BoolArray, FloatArray, IntArray
+from brdfit.arrays import FloatArray, IntArray
 from brdfit.linalg import NormalEquations, nonnegative
 from brdfit.reconstruct.members import MemberRows
 from brdfit.reconstruct.targets import Targets, pooled
 from brdfit.robust import cauchy
 from brdfit.transform import ErrorMetric
 
-__all__ = ["Combination", "RobustStart", "combine", "encode_members", "fit_combination"]
+__all__ = [
+    "Combination",
+    "RobustStart",
+    "combine",
+    "encode_members",
+    "fit_combination",
+    "nearest_member",
+]
 
 # Of the draw of samples for a robust start: the same samples give the same result.
 _SEED = 1409
@@ -86,18 +93,26 @@ def fit_combination(
     With it, the nearest single member up to a scale starts, and Cauchy-weighted fits follow.
     """
     if robust is not None and len(rows) > robust.rows:
-        some = np.sort(np.random.default_rng(_SEED).permutation(len(rows))[: robust.rows])
+        usable = np.flatnonzero(targets.usable.any(axis=1))
+        some = np.sort(np.random.default_rng(_SEED).permutation(usable)[: robust.rows])
         rows, targets = rows.take(some), targets.take(some)
     problem = _Problem(rows, targets, roles, metric)
     if robust is None:
         return problem.solve((targets.usable & ~targets.censored).astype(np.float64))
-    log_estimate = problem.nearest_members(robust.scale)
+    combination = problem.nearest(robust.scale)
     for _ in range(robust.iterations):
+        log_estimate = combination.log_value(rows)
         known = targets.informative(log_estimate)
         weight = cauchy(np.where(known, targets.residual(log_estimate), 0.0), robust.scale)
         combination = problem.solve(pooled(weight, known, per_channel))
-        log_estimate = combination.log_value(rows)
     return combination
+
+
+def nearest_member(
+    rows: MemberRows, targets: Targets, roles: IntArray, metric: ErrorMetric
+) -> Combination:
+    """Return for each channel the one member that is nearest to it up to a scale."""
+    return _Problem(rows, targets, roles, metric).nearest(RobustStart().scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,27 +150,25 @@ class _Problem:
         free = int(self.metric.needs_constant)
         coefficients[channels] = nonnegative(equations, free).T
 
-    def nearest_members(self, scale: float) -> FloatArray:
-        """Return ln of the member nearest to each channel, scaled to its median, (n, c).
+    def nearest(self, scale: float) -> Combination:
+        """Return for each channel the member nearest to it, scaled to its median.
 
         Nearest by the mean of ln(1 + (residual / scale)^2), which outliers cannot own.
         """
-        estimate = np.zeros(self.targets.log_value.shape)
+        k = self.rows.members
+        coefficients = np.zeros((len(self.roles), k + int(self.metric.needs_constant)))
         for channel, role in enumerate(self.roles):
             known = self.targets.usable[:, channel] & ~self.targets.censored[:, channel]
-            log = self.rows.logs[role]
-            estimate[:, channel] = _nearest(self.targets.log_value[:, channel], log, known, scale)
-        return estimate
-
-
-def _nearest(log_value: FloatArray, log: FloatArray, known: BoolArray, scale: float) -> FloatArray:
-    if not known.any():
-        return np.zeros(len(log_value))
-    difference = log_value[known, None] - log[known]
-    offset = np.median(difference, axis=0)
-    cost = np.log1p(((difference - offset) / scale) ** 2).mean(axis=0)
-    best = int(np.argmin(cost))
-    return np.asarray(log[:, best] + offset[best])
+            if not known.any():
+                continue
+            difference = self.targets.log_value[known, channel, None] - self.rows.logs[role][known]
+            log_factor = np.median(difference, axis=0)
+            cost = np.log1p(((difference - log_factor) / scale) ** 2).mean(axis=0)
+            best = int(np.argmin(cost))
+            coefficients[channel, best] = 1.0
+            factor = self.metric.encode(log_factor[best])
+            coefficients[channel, k if self.metric.needs_constant else best] = factor
+        return Combination(self.metric, self.roles, coefficients)
 
 
 def equal_columns(weights: FloatArray, channels: IntArray) -> list[IntArray]:

@@ -12,12 +12,17 @@ from typing import ClassVar
 
 import numpy as np
 
-from brdfit.arrays import BoolArray, FloatArray, IntArray
+from brdfit.arrays import FloatArray, IntArray
 from brdfit.grid import Grid
 from brdfit.populations import Population, population
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.checks import check_above, check_count
-from brdfit.reconstruct.combination import Combination, RobustStart, fit_combination
+from brdfit.reconstruct.combination import (
+    Combination,
+    RobustStart,
+    fit_combination,
+    nearest_member,
+)
 from brdfit.reconstruct.correction_basis import CorrectionBasis, correction_basis
 from brdfit.reconstruct.corrections import (
     Correction,
@@ -26,18 +31,13 @@ from brdfit.reconstruct.corrections import (
     log_of_corrections,
 )
 from brdfit.reconstruct.members import MemberRows, channel_roles, on_grid
-from brdfit.reconstruct.outcome import Outcome
-from brdfit.reconstruct.outliers import find_outliers
+from brdfit.reconstruct.outliers import FEWEST, find_outliers
 from brdfit.reconstruct.result import Reconstruction, population_record
 from brdfit.reconstruct.targets import Targets
 from brdfit.samples import Samples
 from brdfit.transform import error_metric
 
 __all__ = ["CorrectedCombination", "CorrectionFunctions"]
-
-# Below this many usable samples a correction would be fitted to noise.
-_FEWEST = 8
-
 
 # Candidates of the generalised cross-validation. Below the lowest, outliers that are not yet
 # weighted down are fitted as if they were signal; the highest makes a correction a constant.
@@ -139,7 +139,7 @@ class CorrectionFunctions:
             initial_residuals=_residuals(samples, targets, combination.log_value(rows)),
             outliers=outliers.rows,
             outlier_rule=outliers.rule,
-            outcome=self._outcome(samples, loop, outliers.rows),
+            outcome=outliers.outcome(loop.outcome),
             iterations=len(loop.corrections),
             population=population_record(materials),
             history=loop.history,
@@ -161,12 +161,15 @@ class CorrectionFunctions:
         """
         metric = error_metric(self.error_metric)
         robust = RobustStart() if self.robust_start else None
-        combination = fit_combination(rows, targets, roles, metric, robust, self.per_channel)
-        usable = int(targets.usable.any(axis=1).sum())
+        few = int(targets.usable.any(axis=1).sum()) < FEWEST
+        if few:  # a combination, let alone a correction, would be fitted to noise
+            combination = nearest_member(rows, targets, roles, metric)
+        else:
+            combination = fit_combination(rows, targets, roles, metric, robust, self.per_channel)
         loop = CorrectionLoop(
             gamma=self.gamma,
             softening=self.softening,
-            iterations=self.iterations if usable >= _FEWEST else 0,
+            iterations=0 if few else self.iterations,
             tolerance=self.tolerance,
             dampings=_DAMPINGS if self.damping is None else (self.damping,),
             sigma_limit=self.sigma_limit,
@@ -180,14 +183,6 @@ class CorrectionFunctions:
             lambda done, total: progress("corrections", done, total),
         )
         return combination, result
-
-    def _outcome(self, samples: Samples, loop: LoopResult, outliers: BoolArray) -> Outcome:
-        usable = int(samples.usable.any(axis=1).sum())
-        if usable < _FEWEST:
-            return Outcome.TOO_FEW_SAMPLES
-        if outliers.sum() > 0.5 * usable:
-            return Outcome.MOSTLY_OUTLIERS
-        return loop.outcome
 
 
 def _residuals(samples: Samples, targets: Targets, log_estimate: FloatArray) -> FloatArray:

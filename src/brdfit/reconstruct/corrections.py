@@ -107,12 +107,12 @@ class CorrectionLoop:
         history = [{"iteration": 0.0, "loss": state.loss}]
         kept, outcome = 0, Outcome.ITERATION_LIMIT
         for iteration in range(1, self.iterations + 1):
-            step(iteration, self.iterations)
+            step(iteration - 1, self.iterations)
             correction = self._correction(basis_values, targets, state)
             log_sigma = correction.log_value(basis_values)
             corrections.append(correction)
             state = _State.of(targets, state.log_estimate + log_sigma, self)
-            sigma_rms = float(np.sqrt(np.mean(log_sigma**2)))
+            sigma_rms = float(np.sqrt(np.mean(log_sigma[targets.usable] ** 2)))
             history.append({"iteration": iteration, "loss": state.loss, "sigma_rms": sigma_rms})
             if state.loss < best.loss:
                 best, kept = state, iteration
@@ -165,7 +165,9 @@ class _State:
         relative = np.abs(np.expm1(np.minimum(residual, np.log(_DEVIATION_LIMIT))))
         deviation = pooled(relative, targets.usable, loop.per_channel)
         weights = relative_exponential(deviation, loop.gamma) * targets.usable
-        typical = float(np.percentile(deviation[targets.usable], _SOFT_PERCENTILE))
+        # a bound that is respected is no sign of a good estimate
+        telling = deviation[targets.informative(log_estimate)]
+        typical = float(np.percentile(telling, _SOFT_PERCENTILE))
         gamma = min(loop.gamma, loop.softening / max(typical, 1e-6))
         soft_weights = relative_exponential(deviation, gamma) * targets.usable
         loss = 1.0 - float(weights.sum() / targets.usable.sum())

@@ -40,8 +40,9 @@ _ADVICE = {
     ),
     Outcome.DIRECT: "Solved in one step; there is nothing to iterate.",
     Outcome.TOO_FEW_SAMPLES: (
-        "There are fewer samples than the method can use: only a scaled material of the "
-        "population was fitted. Measure more directions, above all near the specular peak."
+        "There are so few usable samples that most of the result is assumed, not measured "
+        "(correction functions only scale the nearest material of the population). Measure more "
+        "directions, above all near the specular peak."
     ),
     Outcome.MOSTLY_OUTLIERS: (
         "More than half of the samples disagree with the result. Either the declared convention "

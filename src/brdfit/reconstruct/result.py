@@ -181,7 +181,8 @@ def direct_result(
     """Return the result of a method without robust weights, solved in one step.
 
     `log_estimate` (n, c) is ln of the result at the samples. Every usable sample weighs 1;
-    outliers are named by the same rule as everywhere.
+    outliers are named by the same rule as everywhere. A fit of too few samples, or of
+    samples that mostly disagree with it, says so in its outcome.
     """
     residuals = np.where(samples.usable, Targets.of(samples).residual(log_estimate), np.nan)
     outliers = find_outliers(residuals, samples.usable, per_channel=False)
@@ -194,7 +195,7 @@ def direct_result(
         initial_residuals=residuals,
         outliers=outliers.rows,
         outlier_rule=outliers.rule,
-        outcome=Outcome.DIRECT,
+        outcome=outliers.outcome(Outcome.DIRECT),
         population=population or {},
     )
 

@@ -5,6 +5,6 @@ Knows nothing of BRDFs: arrays of residuals in, arrays of weights in [0, 1] out.
 
 from __future__ import annotations
 
-from brdfit.robust.weights import cauchy, mad, relative_exponential
+from brdfit.robust.weights import cauchy, quartile_scale, relative_exponential
 
-__all__ = ["cauchy", "mad", "relative_exponential"]
+__all__ = ["cauchy", "quartile_scale", "relative_exponential"]
