@@ -134,7 +134,7 @@ def _check_azimuth(
     with_declared = _rank_correlation(declared[far], log_value[far])
     with_turned = _rank_correlation(turned[far], log_value[far])
     if with_turned < _FALLS and abs(with_declared) < _FLAT:
-        return (_azimuth_turned("where the values rise to, while around the mirror they do not"),)
+        return (_azimuth_turned("toward which the values rise, and do not toward the mirror"),)
     return ()
 
 
