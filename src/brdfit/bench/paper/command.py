@@ -50,7 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"how measurements go wrong (default: {DEFAULT_OUTLIERS})",
     )
     parser.add_argument(
-        "--full", action="store_true", help="measure every cell of the grid, not a twentieth of them"
+        "--full",
+        action="store_true",
+        help="measure every cell of the grid, not a twentieth of them",
     )
     parser.add_argument(
         "--universe", type=share, default=0.05, help="share of the cells measured (default: 0.05)"
@@ -117,7 +119,8 @@ def _header(
         "command": _command(arguments, settings),
         "settings": settings.record(),
         "population": {
-            "name": population.name,
+            # A population given by its path is named as its file: a folder says nothing.
+            "name": Path(population.name).name,
             "fingerprint": population.fingerprint,
             "members": len(population),
         },

@@ -84,7 +84,7 @@ def expressiveness(summary: Summary) -> str:
     """Return one sentence about the expressiveness of the correction basis."""
     deviations = summary.expressiveness()
     return (
-        f"Mean deviation over {deviations.size} correction functions: {deviations.mean():.3f} "
+        f"Mean over {deviations.size} materials: {deviations.mean():.3f} "
         f"(poster: {EXPRESSIVENESS:.3f}); median {np.median(deviations):.3f}, largest "
         f"{deviations.max():.3f}."
     )
