@@ -102,6 +102,9 @@ def _leave_one_out(gram: FloatArray, group: IntArray) -> FloatArray:
     result = np.zeros((k, size))
     for i in range(k):
         others = np.append(np.flatnonzero(group != group[i]), np.arange(k, size))
+        if len(others) == size - k:  # no other material: nothing to correct, C_i = 1
+            result[i, i] = 1.0
+            continue
         equations = NormalEquations(
             gram[np.ix_(others, others)], gram[others, i], 1.0, np.array(gram[i, i])
         )

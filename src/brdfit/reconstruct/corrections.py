@@ -170,5 +170,5 @@ class _State:
         typical = float(np.percentile(telling, _SOFT_PERCENTILE))
         gamma = min(loop.gamma, loop.softening / max(typical, 1e-6))
         soft_weights = relative_exponential(deviation, gamma) * targets.usable
-        loss = 1.0 - float(weights.sum() / targets.usable.sum())
+        loss = 1.0 - float(weights[targets.usable].mean())
         return cls(log_estimate, weights, soft_weights, loss)

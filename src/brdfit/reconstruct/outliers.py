@@ -61,7 +61,7 @@ def find_outliers(residuals: FloatArray, usable: BoolArray, per_channel: bool) -
     known = usable & np.isfinite(residuals)
     mean_size = pooled(np.abs(residuals), known, per_channel=False).max(axis=1, keepdims=True)
     size = np.abs(residuals) if per_channel else mean_size
-    judged = known if per_channel else known.any(axis=1, keepdims=True)
+    judged = known if per_channel else np.asarray(known.any(axis=1, keepdims=True))
     scales = [quartile_scale(size[judged[:, c], c]) for c in range(size.shape[1])]
     limits = np.maximum(SCALES * np.array(scales), SMALLEST)
     with np.errstate(invalid="ignore"):

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from brdfit.arrays import FloatArray
-from brdfit.errors import UsageError
+from brdfit.errors import FitError, UsageError
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import Grid
 from brdfit.progress import Progress, silent
@@ -83,7 +83,10 @@ class RbfModel:
             step(start)
             rows = slice(start, start + _CHUNK)
             for interpolator, group in zip(self.interpolators, self.groups, strict=True):
-                result[rows, list(group)] = interpolator(features[rows])
+                try:
+                    result[rows, list(group)] = interpolator(features[rows])
+                except np.linalg.LinAlgError as error:
+                    raise FitError(_FLAT.format(kernel=interpolator.kernel)) from error
         step(len(features))
         return np.maximum(result, _SMALLEST)
 
@@ -109,7 +112,8 @@ class Tabulated:
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the interpolant of all usable values, zeros and negatives included.
 
-        Samples of the same directions are averaged. Raises `SampleError` where none is usable.
+        Samples of the same directions are averaged. Raises `SampleError` where none is usable,
+        `FitError` where a kernel other than linear meets samples that lie in one plane.
         """
         samples.require_usable()
         features = half_diff_features(*half_diff_from_directions(*samples.safe_directions))
@@ -129,14 +133,28 @@ class Tabulated:
         features, values = _merged(features, values)
         if len(features) < 6:  # too few for the linear polynomial in four coordinates
             return RBFInterpolator(features, values, kernel="linear", degree=0)
+        degree = _DEGREE[self.kernel]
+        if degree and _dimensions(features) < features.shape[1]:
+            raise FitError(_FLAT.format(kernel=self.kernel))
         neighbors = None if len(features) <= self.neighbors else self.neighbors
         return RBFInterpolator(
-            features, values, kernel=self.kernel, neighbors=neighbors, degree=_DEGREE[self.kernel]
+            features, values, kernel=self.kernel, neighbors=neighbors, degree=degree
         )
 
 
 # The lowest polynomial that makes the kernel's system solvable.
 _DEGREE = {"linear": 0, "thin_plate_spline": 1, "cubic": 1}
+_FLAT = (
+    "kernel {kernel}: there are samples whose nearest neighbours lie in one plane of half/"
+    "difference angles, as in measurements in the plane of incidence; this kernel cannot tell "
+    "how the value changes out of that plane. Use kernel linear, or a method with a population."
+)
+
+
+def _dimensions(features: FloatArray) -> int:
+    """Return how many directions `features` (n, 4) spread in by more than rounding."""
+    spread = np.linalg.svd(features - features.mean(axis=0), compute_uv=False)
+    return int((spread > _SAME_PLACE * np.sqrt(len(features))).sum())
 
 
 def _channel_groups(samples: Samples) -> list[list[int]]:
