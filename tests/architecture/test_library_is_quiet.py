@@ -21,7 +21,6 @@ CORE = {
     "transform",
     "metrics",
     "render",
-    "physics",
     "reconstruct",
 }
 

@@ -1,3 +1,0 @@
-"""physics."""
-
-from __future__ import annotations
