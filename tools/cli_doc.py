@@ -33,7 +33,7 @@ Results go to standard output; warnings (by name), errors and progress to standa
 
 _NESTED = {
     "basis": ("list", "build", "check", "fetch", "clear"),
-    "bench": ("holdout", "paper"),
+    "bench": ("holdout", "paper", "sweep"),
 }
 
 

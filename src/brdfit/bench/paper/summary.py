@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -44,10 +44,20 @@ class Summary:
         records = self._errors.get((method, outlier_ratio, data_ratio), [])
         return np.array([record["error"] for record in records], dtype=np.float64)
 
-    def mean(self, method: str, outlier_ratio: float, data_ratio: float) -> float | None:
-        """Return the mean perceptual error of a cell, None where it was not run."""
-        errors = self.errors(method, outlier_ratio, data_ratio)
-        return float(errors.mean()) if errors.size else None
+    def mean(
+        self,
+        method: str,
+        outlier_ratio: float,
+        data_ratio: float,
+        among: Collection[str] | None = None,
+    ) -> float | None:
+        """Return the mean perceptual error of a cell, None where it was not run.
+
+        `among` are the materials that count; None is all.
+        """
+        records = self._errors.get((method, outlier_ratio, data_ratio), [])
+        errors = [one["error"] for one in records if among is None or one["material"] in among]
+        return float(np.mean(np.array(errors, dtype=np.float64))) if errors else None
 
     def ratios(self) -> tuple[list[float], list[float]]:
         """Return (outlier ratios ascending, data ratios descending) of the run."""
@@ -62,9 +72,9 @@ class Summary:
         ranked = sorted(records, key=lambda record: (-record["error"], record["material"]))
         return [record["material"] for record in ranked[:count]]
 
-    def materials(self) -> int:
-        """Return how many materials were reconstructed."""
-        return len({record["material"] for record in self.part("errors")})
+    def materials(self) -> list[str]:
+        """Return the materials that were reconstructed, alphabetically."""
+        return sorted({record["material"] for record in self.part("errors")})
 
     def sensitivity(self, method: str) -> dict[str, float]:
         """Return the mean perceptual error by error metric: all data, no outliers.

@@ -19,8 +19,16 @@ from brdfit.bench.paper.poster import (
 )
 from brdfit.bench.paper.settings import METRICS
 from brdfit.bench.paper.summary import Summary
+from brdfit.bench.tuning import untouched_materials
 
-__all__ = ["advantage", "error_table", "expressiveness", "real_table", "sensitivity_table"]
+__all__ = [
+    "advantage",
+    "error_table",
+    "expressiveness",
+    "real_table",
+    "sensitivity_table",
+    "untouched_table",
+]
 
 
 def error_table(summary: Summary, method: str) -> str:
@@ -61,6 +69,27 @@ def advantage(summary: Summary, data_ratio: float) -> str:
             )
             row.append(cell(ours, theirs, digits=1))
         rows.append(row)
+    return table(columns, rows)
+
+
+def untouched_table(summary: Summary, method: str, data_ratio: float) -> str:
+    """Return the errors over all materials beside those that no constant was chosen on.
+
+    The run must hold every material of the population: which are which goes by their order.
+    """
+    every = summary.materials()
+    others = untouched_materials(every)
+    columns = [Column("outliers"), *(Column(f"{len(x)} materials", True) for x in (every, others))]
+    rows = [
+        [
+            f"{outliers:.2f}",
+            *(
+                cell(summary.mean(method, outliers, data_ratio, among), digits=2)
+                for among in (every, others)
+            ),
+        ]
+        for outliers in summary.ratios()[0]
+    ]
     return table(columns, rows)
 
 
