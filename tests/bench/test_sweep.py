@@ -169,6 +169,14 @@ def test_the_page_says_how_the_default_stands(other, told):
     assert "the other\n6: m1, m2, m4, m5, m7, m8." in text
 
 
+@pytest.mark.parametrize(("best", "told"), [(0, True), (1, False), (2, True)])
+def test_the_page_warns_where_the_smallest_error_is_at_the_edge_of_what_was_tried(best, told):
+    names = ("loc|smoothing=1.0", "loc|default", "loc|smoothing=3.0")
+    content = made_up({name: (1.0 + (i != best),) * 3 for i, name in enumerate(names)})
+    content["questions"][0]["candidates"] = [{"smoothing": value} for value in (1.0, 2.0, 3.0)]
+    assert ("at the edge of what was tried (smoothing)" in page(content)) == told
+
+
 def paper_content(materials):
     names = [f"m{index}" for index in range(9)]
     records = [

@@ -180,12 +180,28 @@ def _standing(best: _Row, default: _Row | None) -> str:
 def _verdict(rows: list[_Row]) -> str:
     best, default = _best(rows), _default(rows)
     if default is None or best is default:
-        return f"Smallest mean: {best.label}" + (", the default." if default else ".")
-    mean, scatter = default.minus(best)
-    return (
-        f"Smallest mean: {best.label}. The default, {default.label}, lies {mean:.3f} ± "
-        f"{scatter:.3f} above it: {_standing(best, default)}."
-    )
+        told = f"Smallest mean: {best.label}" + (", the default." if default else ".")
+    else:
+        mean, scatter = default.minus(best)
+        told = (
+            f"Smallest mean: {best.label}. The default, {default.label}, lies {mean:.3f} ± "
+            f"{scatter:.3f} above it: {_standing(best, default)}."
+        )
+    edges = _at_the_edge(rows, best)
+    if edges:
+        told += f" It is at the edge of what was tried ({', '.join(edges)}); beyond may be better."
+    return told
+
+
+def _at_the_edge(rows: list[_Row], best: _Row) -> list[str]:
+    """Return the settings of which `best` has the least or the largest of three values or more."""
+    found = []
+    for name, value in best.candidate.items():
+        tried = {row.candidate[name] for row in rows}
+        ordered = all(isinstance(one, int | float) for one in tried) and len(tried) > 2
+        if ordered and value in (min(tried), max(tried)):
+            found.append(name)
+    return found
 
 
 def _materials(materials: dict[str, list[str]]) -> str:
