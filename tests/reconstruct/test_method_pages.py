@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from brdfit.reconstruct import METHODS, Outcome
+
 from source_tree import ROOT
 
 METHOD = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
