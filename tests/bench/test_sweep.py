@@ -64,7 +64,7 @@ def test_every_variant_is_run_once_on_tuning_materials_and_the_page_follows_from
     assert len(records) == (4 + 2 + 2) * 2 * 2
     assert all(np.isfinite(record["error"]) for record in records)
     text = target.read_text()
-    assert "8.0 (default)" in text
+    assert "| default | 8.0 |" in text
     assert str(tmp_path) not in text + result.read_text()
     again = tmp_path / "again.json"
     bench("-o", again, "--workers", 2)

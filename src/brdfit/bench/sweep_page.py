@@ -109,17 +109,21 @@ def _opening(content: dict[str, Any]) -> str:
     settings, materials = content["settings"], content["materials"]
     ratios = ", ".join(f"{ratio:g}" for ratio in settings["outlier_ratios"])
     samples = content["records"][0]["samples"]
+    tuning = len(tuning_materials(materials["all"]))
     return f"""# Constants, compared on materials set apart
 
 Computed by `brdfit bench sweep` and written by it from the recorded result. Constants that the
 published method and its rivals leave open are settings with a default. Here the defaults stand
-beside other values, on {len(materials["used"])} of the {len(tuning_materials(materials["all"]))}
-materials set apart for that, each reconstructed without itself from {samples:,} samples (data
-ratio {settings["data_ratio"]:g}) with outlier ratios {ratios} (`{settings["outliers"]}`). A cell is
-the mean perceptual error over the materials. What is chosen is the smallest mean over the outlier
-ratios and, where a question is asked under several error metrics, over those, so that the
-answer does not hang on the metric. The difference to the default is taken material by material
-and stands with its standard error; below {_CLEAR:g} standard errors it says nothing."""
+beside other values, on {len(materials["used"])} of the {tuning} materials set apart for that,
+each reconstructed without itself from {samples:,} samples (data ratio {settings["data_ratio"]:g})
+with outlier ratios {ratios} (`{settings["outliers"]}`).
+
+A cell is the mean perceptual error over the materials. The choice goes by the smallest mean over
+the outlier ratios and, where a question is asked under several error metrics, over those, so
+that the answer does not hang on the metric. The difference to the default is taken material by
+material and stands with its standard error; below {_CLEAR:g} standard errors it is not told from
+the scatter of the materials. One material that goes badly wrong widens that scatter: the
+records show them one by one."""
 
 
 def _overview(answers: _Answers) -> str:
@@ -137,15 +141,14 @@ def _overview(answers: _Answers) -> str:
 def _table(question: Question, rows: list[_Row], ratios: list[float]) -> str:
     metrics = [f"{metric} " for metric in question.metrics] or [""]
     names = list(rows[0].candidate)
-    columns = [Column(name, True) for name in names]
+    columns = [Column(""), *(Column(name, True) for name in names)]
     columns += [Column(f"{metric}{ratio:g}", True) for metric in metrics for ratio in ratios]
     columns += [Column("mean", True), Column("minus default", True)]
     best, default = _best(rows), _default(rows)
     found = []
     for row in rows:
-        line = [str(row.candidate[name]) for name in names]
-        if row.is_default:
-            line = [f"{text} (default)" if i == 0 else text for i, text in enumerate(line)]
+        line = ["default" if row.is_default else ""]
+        line += [str(row.candidate[name]) for name in names]
         line += [cell(value) for value in row.errors.mean(axis=0)]
         line += [cell(row.mean, bold=row is best), _difference(row, default)]
         found.append(line)
