@@ -160,6 +160,26 @@ def test_no_correction_exceeds_its_limit(method, measure, somewhere):
     assert np.abs(ratio).max() <= max(held.iterations, 1) * np.log(1.01) + 1e-5
 
 
+def test_softening_lets_samples_speak_while_the_estimate_is_far_off(toy, measure):
+    samples = measure("m0", n=300, noise=0.0)
+    far = toy.subset(["m7", "m8", "m9"])
+    off = {
+        softening: CorrectionFunctions(population=far, gamma=500.0, softening=softening)
+        .fit(samples)
+        .record()["residuals"]["after"]["mean_abs"]
+        for softening in (0.7, 1e9)
+    }
+    assert off[0.7] < 0.9 * off[1e9]
+
+
+def test_of_a_handful_of_samples_only_the_scale_of_a_member_is_taken(method, measure, somewhere):
+    values = method.fit(measure(n=7)).evaluate(*somewhere)
+    members = method.population.evaluate(*somewhere)
+    for channel in range(3):
+        ratio = np.log(values[:, [channel]] / members[:, :, channel])
+        assert np.ptp(ratio, axis=0).min() < 1e-4
+
+
 # --- censored values -----------------------------------------------------------------------
 
 
@@ -169,21 +189,28 @@ def with_zeros(samples, zero_at):
     return samples.with_value(value)
 
 
-def test_a_zero_where_the_estimate_is_under_the_floor_changes_nothing(toy, measure, somewhere):
-    # Samples of a dark member, and zeros at directions where it is darker than any of them.
-    samples = measure("m0", n=200, noise=0.0)
-    method = CorrectionFunctions(population=toy)
-    result = method.fit(samples)
-    under = result.evaluate(samples.wi, samples.wo) <= samples.noise_floor
-    dark = np.flatnonzero(under.all(axis=1))
-    assert dark.size > 0
-    bright = samples.subset(np.setdiff1d(np.arange(200), dark))
-    extra = with_zeros(samples, dark)
-    one, other = method.fit(bright), method.fit(extra)
-    difference = np.log(one.evaluate(*somewhere)) - np.log(other.evaluate(*somewhere))
-    assert np.abs(difference).max() < 0.01
-    assert (other.residuals[dark] <= 0.0).all()
-    assert np.abs(other.residuals[dark]).max() < 0.05
+@pytest.mark.parametrize("share", [0.0, 0.4])
+def test_zeros_where_the_estimate_is_under_the_floor_change_nothing(toy, measure, somewhere, share):
+    # Bright samples, some wrong, and zeros at directions far darker than any of them.
+    samples = measure("m4", n=800)
+    brightness = samples.value.min(axis=1)
+    bright = np.flatnonzero(brightness > np.quantile(brightness, 0.8))
+    floor = samples.subset(bright).noise_floor
+    dark = np.flatnonzero((samples.value < 0.6 * floor).all(axis=1))
+    assert dark.size > bright.size
+    some = samples.subset(np.concatenate([bright, dark]))
+    spoiled, _ = spoil(some.subset(np.arange(bright.size)), share)
+    value = np.zeros(some.value.shape)
+    spoiled = spoiled.with_value(np.maximum(spoiled.value, some.value[: bright.size]))
+    value[: bright.size] = spoiled.value
+    # a gamma too high for the noise, so that softening is at work
+    method = CorrectionFunctions(population=toy.without(["m3"]), gamma=80.0)
+    one, other = method.fit(spoiled), method.fit(some.with_value(value))
+    assert one.iterations > 0
+    assert other.iterations == one.iterations
+    assert np.allclose(one.evaluate(*somewhere), other.evaluate(*somewhere), rtol=1e-5)
+    assert (other.residuals[bright.size :] == 0.0).all()
+    assert not other.outliers[bright.size :].any()
 
 
 def test_zeros_where_the_estimate_is_high_lower_it(method, measure):
