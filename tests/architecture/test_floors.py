@@ -15,7 +15,7 @@ from source_tree import Module, imports_of, package_modules, parse
 FLOORS = [
     ["errors", "arrays", "files", "progress", "tone"],
     ["geometry", "grid"],
-    ["samples", "table", "models"],
+    ["samples", "table", "models", "albedo"],
     ["formats"],
     ["populations", "robust", "linalg", "transform", "metrics", "render", "physics"],
     ["reconstruct"],

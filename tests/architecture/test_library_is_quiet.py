@@ -16,11 +16,13 @@ CORE = {
     "samples",
     "table",
     "models",
+    "albedo",
     "linalg",
     "robust",
     "transform",
     "metrics",
     "render",
+    "physics",
     "reconstruct",
 }
 

@@ -11,7 +11,7 @@ grid; `to_rgb` turns spectral bands into linear sRGB. No files here, and no disp
 
 from __future__ import annotations
 
-from brdfit.render.albedo import Evaluable, directional_albedo
+from brdfit.albedo import Evaluable
 from brdfit.render.illumination import (
     ILLUMINATIONS,
     Illumination,
@@ -42,7 +42,6 @@ __all__ = [
     "Sphere",
     "SpherePlan",
     "area_studio",
-    "directional_albedo",
     "display_matrix",
     "half_difference_image",
     "incidence_slices",

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from brdfit.albedo import Evaluable
 from brdfit.arrays import FloatArray
 from brdfit.geometry import directions_from_half_diff, directions_from_spherical
-from brdfit.render.albedo import Evaluable
 
 __all__ = ["IncidenceSlices", "half_difference_image", "incidence_slices"]
 

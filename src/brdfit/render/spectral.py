@@ -23,9 +23,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from brdfit.albedo import Evaluable
 from brdfit.arrays import FloatArray
 from brdfit.errors import UsageError
-from brdfit.render.albedo import Evaluable
 from brdfit.tone import colour_library, three_channels
 
 __all__ = ["ForDisplay", "display_matrix", "rgb_matrix", "shows_colour", "to_rgb"]

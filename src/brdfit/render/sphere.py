@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from brdfit.albedo import Evaluable, directional_albedo
 from brdfit.arrays import BoolArray, FloatArray, IntArray, dot, frozen
 from brdfit.errors import UsageError
 from brdfit.progress import Progress, silent
-from brdfit.render.albedo import Evaluable, directional_albedo
 from brdfit.render.illumination import Illumination
 from brdfit.tone import LUMINANCE
 
@@ -129,7 +129,7 @@ class Sphere:
     def _albedo(self, brdf: Evaluable) -> FloatArray:
         # It depends on theta_o alone: a few angles, then interpolation in cos theta_o.
         cosine = np.linspace(0.02, 1.0, _ALBEDO_ANGLES)
-        albedo = directional_albedo(brdf, cosine)
+        albedo = directional_albedo(brdf, np.arccos(cosine), rings=64, spokes=8)
         columns = [np.interp(self.normal[:, 2], cosine, column) for column in albedo.T]
         return np.stack(columns, axis=1)
 
