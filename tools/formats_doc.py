@@ -80,9 +80,17 @@ def _detail(sheet: FormatSheet) -> str:
         f"- Convention: {sheet.convention}.",
         f"- Described in: {sheet.specification}.",
     ]
+    if sheet.write_samples is not None or sheet.write_table is not None:
+        lines.append(f"- Written and read back: {_precision(sheet.precision)}.")
     if sheet.loses:
         lines.append(f"- Writing loses: {sheet.loses}.")
     return "\n".join(lines)
+
+
+def _precision(precision: float) -> str:
+    if precision == 0.0:
+        return "every bit"
+    return f"a value changes by at most {precision:.0e} of itself, at directions the file holds"
 
 
 def main(arguments: list[str]) -> int:

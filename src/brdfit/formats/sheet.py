@@ -51,5 +51,8 @@ class FormatSheet:
     """Keyword options that the readers take, by name."""
     loses: str = ""
     """What writing this format loses (channels, resolution, precision); empty = nothing."""
+    precision: float = 0.0
+    """Largest relative error of a value that is written and read back, at directions that the
+    file holds; 0 = every bit."""
     competes_for: tuple[str, ...] = ()
     """Other formats that use the same suffix, so that errors can name them."""

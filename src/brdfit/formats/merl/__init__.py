@@ -64,6 +64,7 @@ SHEET = FormatSheet(
     read_table=_read_table,
     write_table=_write_table,
     options=("count", "seed"),
+    precision=3e-16,
     loses=(
         "all but RGB (one channel is written three times, more are refused), other grids "
         "(refused), values below zero (written as zero, with a warning), and where the table "

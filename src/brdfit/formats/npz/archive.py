@@ -7,6 +7,7 @@ before memory is taken for it. Nothing is ever unpickled.
 from __future__ import annotations
 
 import math
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -36,6 +37,9 @@ _DAMAGE = (
     RuntimeError,
     LookupError,
     OSError,
+    # NumPy parses the header of an array as Python, and lets through what that says
+    SyntaxError,
+    tokenize.TokenError,
 )
 
 
