@@ -200,3 +200,14 @@ def test_a_design_with_values_that_are_not_finite_is_refused_in_words():
     x[3, 3] = np.nan
     with pytest.raises(FitError, match="not finite"):
         nonnegative(NormalEquations.of(x, y, w))
+
+
+def test_equations_of_parts_add_up_to_those_of_the_whole(rng):
+    x, y, weights = rng.normal(size=(30, 4)), rng.normal(size=(30, 2)), rng.random(30)
+    whole = NormalEquations.of(x, y, weights)
+    parts = [NormalEquations.of(x[s], y[s], weights[s]) for s in (slice(0, 11), slice(11, 30))]
+    total = parts[0] + parts[1]
+    assert np.allclose(total.gram, whole.gram)
+    assert np.allclose(total.moment, whole.moment)
+    assert np.isclose(total.total, whole.total)
+    assert np.allclose(total.power, whole.power)

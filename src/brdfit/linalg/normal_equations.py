@@ -47,6 +47,15 @@ class NormalEquations:
         power = np.einsum("n,n...->...", weights, np.asarray(y, dtype=np.float64) ** 2)
         return cls(gram, moment, float(weights.sum()), np.asarray(power))
 
+    def __add__(self, other: NormalEquations) -> NormalEquations:
+        """Return the equations of the rows of both."""
+        return NormalEquations(
+            self.gram + other.gram,
+            self.moment + other.moment,
+            self.total + other.total,
+            self.power + other.power,
+        )
+
     def one(self, column: int) -> NormalEquations:
         """Return the equations of one right-hand side of several."""
         return NormalEquations(self.gram, self.moment[:, column], self.total, self.power[column])
