@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from brdfit.reconstruct import GlobalBasis as GlobalBasis
     from brdfit.reconstruct import LocalBasis as LocalBasis
     from brdfit.reconstruct import Outcome as Outcome
+    from brdfit.reconstruct import PcaRidge as PcaRidge
     from brdfit.reconstruct import Reconstruction as Reconstruction
     from brdfit.reconstruct import Tabulated as Tabulated
     from brdfit.reconstruct import fit as fit
@@ -42,6 +43,7 @@ _HOME = {
     "GlobalBasis": "reconstruct",
     "LocalBasis": "reconstruct",
     "Outcome": "reconstruct",
+    "PcaRidge": "reconstruct",
     "Population": "populations",
     "Reconstruction": "reconstruct",
     "Samples": "samples",

@@ -13,6 +13,7 @@ from brdfit.reconstruct.correction_functions import CorrectionFunctions
 from brdfit.reconstruct.global_basis import GlobalBasis
 from brdfit.reconstruct.local_basis import LocalBasis
 from brdfit.reconstruct.outcome import Outcome
+from brdfit.reconstruct.pca_ridge import PcaRidge
 from brdfit.reconstruct.result import Method, Reconstruction
 from brdfit.reconstruct.tabulated import Tabulated
 from brdfit.samples import Samples
@@ -24,13 +25,15 @@ __all__ = [
     "LocalBasis",
     "Method",
     "Outcome",
+    "PcaRidge",
     "Reconstruction",
     "Tabulated",
     "fit",
 ]
 
 METHODS: dict[str, type] = {
-    method.name: method for method in (CorrectionFunctions, GlobalBasis, LocalBasis, Tabulated)
+    method.name: method
+    for method in (CorrectionFunctions, GlobalBasis, PcaRidge, LocalBasis, Tabulated)
 }
 """Name -> class of settings."""
 

@@ -14,7 +14,7 @@ from brdfit.populations import VALUE_FLOOR, Columns, Population, columns
 from brdfit.progress import Progress
 from brdfit.samples import Samples
 
-__all__ = ["MemberRows", "channel_roles", "on_grid"]
+__all__ = ["MemberRows", "by_block", "channel_roles", "on_grid"]
 
 # Directions evaluated at once: bounds the memory of a population of 600 columns to 80 MB.
 _CHUNK = 8192
@@ -90,16 +90,27 @@ def on_grid(
     evaluate: Callable[[MemberRows], FloatArray],
     progress: Progress,
 ) -> FloatArray:
-    """Return `evaluate` of the members at each of `grid.cells`, (cells, c), float32.
+    """Return `evaluate` of the members at each of `grid.cells`, (cells, c), float32."""
+    return by_block(population, grid, lambda rows, _: evaluate(rows), progress)
+
+
+def by_block(
+    population: Population,
+    grid: Grid,
+    evaluate: Callable[[MemberRows, IntArray], FloatArray],
+    progress: Progress,
+) -> FloatArray:
+    """Return `evaluate` of members and their flat cells at `grid.cells`, (cells, c), float32.
 
     Streams over the dense columns block by block. A bilateral population has one row for
-    two cells: it is evaluated once.
+    two cells: it is evaluated once, and must not depend on which of the two it is.
     """
     dense = columns(population, grid, progress)
     starts = range(0, len(dense), _CHUNK)
 
     def block(start: int) -> FloatArray:
-        return evaluate(MemberRows.read(dense, start, start + _CHUNK)).astype(np.float32)
+        rows = MemberRows.read(dense, start, start + _CHUNK)
+        return evaluate(rows, dense.cells[start : start + _CHUNK]).astype(np.float32)
 
     # numpy lets go of the interpreter in its loops: two threads keep two cores busy
     blocks = []
