@@ -18,6 +18,7 @@ from brdfit.bench.paper.summary import Summary
 from brdfit.errors import UsageError
 from brdfit.grid import Grid
 from brdfit.progress import silent
+from brdfit.reconstruct import PcaRidge
 from brdfit.samples import Samples
 
 TINY = PaperSettings(
@@ -81,8 +82,31 @@ def test_two_workers_give_the_bytes_of_one(tmp_path, tiny):
     assert (tmp_path / "1.json").read_bytes() == (tmp_path / "2.json").read_bytes()
 
 
+def test_columns_that_the_poster_lacks_are_there_when_asked_for(tmp_path, tiny):
+    result = tmp_path / "x.json"
+    bench("-o", result, "--methods", "glo", "pca", "--parts", "errors", "--workers", 1)
+    content = json.loads(result.read_text())
+    assert Summary(content["records"]).methods("errors") == ["glo", "pca"]
+    assert "### pca" in result.with_suffix(".md").read_text()
+
+
+def test_fewer_samples_than_columns_use_the_first_components(scene, toy_population):
+    case = Case(2, 0.3, scene.rows(0.3)[::60])
+    assert case.rows.size < 18
+    values = scene.measured(2, case.rows, 0.3, 0.0).values
+    contender = contenders_of(toy_population)["pca"]
+    fast = contender.reconstruct(scene, contender.prepare(scene, case), case, values)
+    wi, wo = scene.settings.grid.directions(scene.universe[case.rows])
+    method = PcaRidge(population=toy_population.without(["toy02"]))
+    result = method.fit(Samples(wi=wi, wo=wo, value=values))
+    slow = result.evaluate(*scene.settings.grid.directions(scene.target))
+    seen = (slow > 1e-4).all(axis=1)
+    # the axes come from other cells
+    assert np.median(np.abs(np.log(fast[seen] / slow[seen]))) < 0.02
+
+
 def test_an_unknown_column_names_the_known_ones(tmp_path, tiny):
-    with pytest.raises(UsageError, match="our, glo, loc, tab"):
+    with pytest.raises(UsageError, match="our, glo, loc, tab, pca"):
         bench("-o", tmp_path / "x.json", "--methods", "typo")
 
 
@@ -96,7 +120,7 @@ def scene(toy_population):
     return Scene.build(TINY, toy_population, silent)
 
 
-@pytest.mark.parametrize("name", ["glo", "glo:linear", "glo:root", "loc", "loc:root", "tab"])
+@pytest.mark.parametrize("name", ["glo", "glo:linear", "glo:root", "loc", "loc:root", "tab", "pca"])
 def test_a_column_says_what_the_method_itself_says(name, scene, toy_population):
     subject, others = 2, toy_population.without(["toy02"])
     case = Case(subject, 0.3, scene.rows(0.3))
@@ -104,7 +128,7 @@ def test_a_column_says_what_the_method_itself_says(name, scene, toy_population):
     contender = contenders_of(toy_population)[name]
     fast = contender.reconstruct(scene, contender.prepare(scene, case), case, values)
     settings = {} if ":" not in name else {"error_metric": name.split(":")[1]}
-    if name.startswith("glo"):
+    if name.startswith(("glo", "pca")):
         settings["population"] = others
     method = type(methods_of(others)[name.split(":")[0]])(**settings)
     wi, wo = scene.settings.grid.directions(scene.universe[case.rows])

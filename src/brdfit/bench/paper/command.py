@@ -41,7 +41,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--parts", nargs="+", choices=list(PARTS), help="make only these (default: all)"
     )
     parser.add_argument(
-        "--methods", nargs="+", metavar="NAME", help="only these columns: our glo loc tab"
+        "--methods",
+        nargs="+",
+        metavar="NAME",
+        help="these columns: our glo loc tab (the poster's, default) pca",
     )
     parser.add_argument(
         "--outliers",

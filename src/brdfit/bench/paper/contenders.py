@@ -10,6 +10,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.bench.paper.contender import Case, Contender
+from brdfit.bench.paper.principal import Principal
 from brdfit.bench.paper.scene import Scene
 from brdfit.bench.paper.settings import METRICS
 from brdfit.bench.paper.tab_operator import TabOperator
@@ -21,6 +22,7 @@ from brdfit.reconstruct.corrections import log_of_corrections
 from brdfit.reconstruct.global_basis import GlobalBasis
 from brdfit.reconstruct.local_basis import LocalBasis
 from brdfit.reconstruct.members import MemberRows
+from brdfit.reconstruct.pca_ridge import PcaRidge
 from brdfit.reconstruct.result import settings_record
 from brdfit.reconstruct.tabulated import Tabulated, half_diff_features
 from brdfit.reconstruct.targets import Targets
@@ -43,6 +45,7 @@ def methods_of(population: Population) -> dict[str, Method]:
         "glo": GlobalBasis(population=population),
         "loc": LocalBasis(),
         "tab": Tabulated(),
+        "pca": PcaRidge(population=population),
     }
 
 
@@ -54,6 +57,7 @@ def contenders_of(population: Population) -> dict[str, Contender]:
         "glo": Combined(glo),
         "loc": Splined(LocalBasis()),
         "tab": Interpolated(Tabulated()),
+        "pca": Principal(PcaRidge(population=population)),
     }
     for metric in METRICS:
         found[f"our:{metric}"] = Corrected(replace(our, error_metric=metric))

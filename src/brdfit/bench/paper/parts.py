@@ -12,6 +12,7 @@ from brdfit.bench.paper.contender import Contender, ErrorWork, error_tasks
 from brdfit.bench.paper.contenders import contenders_of, methods_of
 from brdfit.bench.paper.expressiveness import Expressiveness
 from brdfit.bench.paper.figures import heat_maps, outlier_curves, worst_spheres
+from brdfit.bench.paper.poster import TITLES
 from brdfit.bench.paper.scene import Scene
 from brdfit.bench.paper.settings import PaperSettings
 from brdfit.bench.paper.summary import Summary
@@ -60,13 +61,13 @@ class Run:
         data: Path | None,
         names: Sequence[str] | None,
     ) -> Run:
-        """Return the run of these settings; `names` are the columns wanted, None is all."""
+        """Return the run of these settings; `names` are the columns, None is the poster's."""
         contenders = contenders_of(population)
         known = [name for name in contenders if ":" not in name]
         unknown = sorted(set(names or ()) - set(known))
         if unknown:
             raise UsageError(f"--methods: found {unknown[0]!r} but known are {', '.join(known)}.")
-        wanted = set(names or known)
+        wanted = set(names or TITLES)
         return cls(
             settings=settings,
             population=population,

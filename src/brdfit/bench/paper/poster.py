@@ -30,7 +30,7 @@ OUTLIER_RATIOS = (0.0, 0.2, 0.4, 0.6, 0.8)
 """Rows of the tables of errors."""
 
 TITLES = {"our": "Our", "glo": "Glo", "loc": "Loc", "tab": "Tab"}
-"""The poster's short names."""
+"""The poster's short names: the columns of a run unless others are asked for."""
 
 ERRORS = {
     "our": (

@@ -20,8 +20,6 @@ from brdfit.bench.tuning import EVERY
 
 __all__ = ["page"]
 
-_ORDER = ("our", "glo", "loc", "tab")
-
 
 def page(content: dict[str, Any], figures: dict[str, str]) -> str:
     """Return the page of a result file's content; `figures` maps a figure to its link.
@@ -114,13 +112,14 @@ deviation is the mean of |C_i - description| over cells that the description was
 
 def _real(records: list[Record], settings: dict[str, Any]) -> list[str]:
     named = {record["method"] for record in records}
+    order = [*(name for name in TITLES if name in named), *sorted(named - set(TITLES))]
     return [
         "## Real files",
         f"A random {100 * settings['fraction']:g} % of the usable samples of each file is fitted, "
         f"the rest is predicted: mean |delta ln f| over the rest. The poster's 16 materials are "
         f"not published, and its figures are perceptual errors: the last row shows how its "
         f"methods stood to each other, not a value to be met.",
-        real_table(records, [name for name in _ORDER if name in named]),
+        real_table(records, order),
     ]
 
 
