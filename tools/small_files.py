@@ -23,6 +23,8 @@ from brdfit.grid import MERL_GRID, Grid
 from brdfit.samples import Samples
 from brdfit.table import Table
 
+from small_workbook import workbook
+
 __all__ = ["SmallFile", "small_files", "tiny_samples", "tiny_table", "written_table"]
 
 SMALL_GRID = Grid(6, 5, 8)
@@ -183,6 +185,43 @@ def _rgl() -> SmallFile:
     return SmallFile("rgl", "samples", "a.bsdf", {"a.bsdf": _tensor_file(fields)})
 
 
+def _rt300s() -> SmallFile:
+    angles = [
+        (a, i, r) for a in (-90.0, 0.0, 90.0) for i in (10.0, 50.0) for r in (-40.0, 0.0, 50.0)
+    ]
+
+    def content(stray: float) -> bytes:
+        columns = [(*of, stray + 0.001 * k) for k, of in enumerate(angles)]
+        labels = (" Azimuth", " Incidence", " Receive", " RT")
+        rows: list[list[str | float | None]] = [[" Method", *["BRDF_LD"] * len(columns)]]
+        rows += [[label, *(c[k] for c in columns)] for k, label in enumerate(labels)]
+        return workbook([[row[:10] for row in rows], [[row[0], *row[10:]] for row in rows], []])
+
+    files = {"a.xls": content(0.25), "blank.xls": content(0.01)}
+    return SmallFile("rt300s", "samples", "a.xls", files)
+
+
+def _lighttools() -> SmallFile:
+    lines = ["# made up", "Symmetry PlaneSymmetrical", "SpectralContent Monochrome"]
+    lines += ["ScatterAzimuth 3", "0 90 270", "ScatterRadial 3", "0 30 60", "DataBegin"]
+    for aoi in (0, 30):
+        for wave in (450, 550):
+            lines += [f"AOI {aoi}", "POI 0", "Side Front", f"Wavelength {wave}", "ScatterType BRDF"]
+            lines += ["TIS 0.5", *(f"0.{k}1 0.{k}2 0.{wave}" for k in range(1, 4))]
+    return _text("lighttools", "a.bsdf", "\n".join([*lines, "DataEnd", ""]))
+
+
+def _zemax() -> SmallFile:
+    lines = ["# made up", "Source Measured", "Symmetry Asymmetrical", "SpectralContent XYZ"]
+    lines += ["ScatterType BRDF", "SampleRotation 1", "0", "AngleOfIncidence 2", "10 50"]
+    lines += ["ScatterAzimuth 3", "0 120 240", "ScatterRadial 3", "0 20 60"]
+    for axis in "XYZ":
+        lines += ["", f"Tristimulus{axis}", "DataBegin"]
+        lines += ["TIS 0.5", "1e-1 2e-1 0", "1e-1 3E-1 .5", "1e-1 .4 .6"] * 2
+        lines += ["DataEnd"]
+    return _text("zemax", "a.bsdf", "\n".join(lines))
+
+
 def _tensor_file(fields: dict[str, np.ndarray[Any, Any]]) -> bytes:
     """Return RGL's container, written from its description."""
     offset = 18 + sum(2 + len(name) + 11 + 8 * array.ndim for name, array in fields.items())
@@ -203,5 +242,8 @@ _BY_HAND: dict[str, tuple[Callable[[], SmallFile], ...]] = {
     "delimited": (_delimited,),
     "merl": (_merl,),
     "nist": (_nist,),
+    "lighttools": (_lighttools,),
     "rgl": (_rgl,),
+    "rt300s": (_rt300s,),
+    "zemax": (_zemax,),
 }

@@ -37,7 +37,20 @@ from brdfit.table import Table
 __all__ = ["list_formats", "read_samples", "read_table", "write_samples", "write_table"]
 
 # Order of the questions: formats with a magic number first, the most general text last.
-_FOLDERS = ("npz", "rgl", "merl", "astm", "nist", "curet", "alta", "parquet", "delimited")
+_FOLDERS = (
+    "npz",
+    "rgl",
+    "rt300s",
+    "zemax",
+    "lighttools",
+    "merl",
+    "astm",
+    "nist",
+    "curet",
+    "alta",
+    "parquet",
+    "delimited",
+)
 
 # What a parser meets in a damaged file; anything else is a defect and shows its traceback.
 _PARSE_ERRORS = (ValueError, LookupError, ArithmeticError, EOFError, struct.error)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import tokenize
+import warnings
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -138,8 +139,11 @@ def _checked_members(archive: zipfile.ZipFile, name: str, size: int) -> dict[str
 
 def _array_header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     version = np.lib.format.read_magic(stream)
-    if version == (1, 0):
-        return np.lib.format.read_array_header_1_0(stream, _LONGEST_ARRAY_HEADER)
-    if version == (2, 0):
-        return np.lib.format.read_array_header_2_0(stream, _LONGEST_ARRAY_HEADER)
+    with warnings.catch_warnings():
+        # NumPy takes a damaged header for one of Python 2
+        warnings.simplefilter("ignore", UserWarning)
+        if version == (1, 0):
+            return np.lib.format.read_array_header_1_0(stream, _LONGEST_ARRAY_HEADER)
+        if version == (2, 0):
+            return np.lib.format.read_array_header_2_0(stream, _LONGEST_ARRAY_HEADER)
     raise ValueError(f"array format version {version[0]}.{version[1]} is not known")
