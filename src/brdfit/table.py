@@ -125,12 +125,13 @@ class Table:
         elif np.any(lost):
             heaviest = index[lost, np.argmax(weight[lost], axis=1)]
             index = index.copy()
-            index[lost] = self._valid_neighbour.reshape(-1)[heaviest][:, None]
+            index[lost] = self.nearest_valid.reshape(-1)[heaviest][:, None]
             share[lost, 0] = 1.0
         return index, share
 
     @cached_property
-    def _valid_neighbour(self) -> IntArray:
+    def nearest_valid(self) -> IntArray:
+        """Flat index of the valid cell nearest to each cell, shaped as the grid."""
         # SciPy only here: most uses of a table never leave the valid cells.
         from scipy.ndimage import distance_transform_edt
 

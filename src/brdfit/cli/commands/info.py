@@ -6,10 +6,17 @@ import argparse
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from brdfit.cli.console import Console
 from brdfit.cli.declaration import add_reading_options, reading_options
 from brdfit.cli.parser import Parser
+from brdfit.errors import UsageError
+
+if TYPE_CHECKING:
+    from brdfit.physics import Health
+    from brdfit.samples import Samples
+    from brdfit.table import Table
 
 
 def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
@@ -23,6 +30,18 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
         default="table",
         help="Which to read, from a format that can be read as both (default: table).",
     )
+    parser.add_argument(
+        "--physics",
+        action="store_true",
+        help="Check reciprocity, energy, noise near grazing, symmetry and alignment: for each a "
+        "figure, a verdict and a sentence.",
+    )
+    parser.add_argument(
+        "--picture",
+        type=Path,
+        metavar="PNG",
+        help="With --physics: draw the directional albedo over incidence and the findings.",
+    )
     add_reading_options(parser)
 
 
@@ -32,13 +51,39 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     from brdfit.cli.summary import samples_lines, samples_record, table_lines, table_record
     from brdfit.samples import Samples
 
+    _check_picture(arguments)
     content = read_any(arguments.file, reading_options(arguments), arguments.kind)
     if isinstance(content, Samples):
         record, lines = samples_record(content), samples_lines(content)
     else:
         record, lines = table_record(content), table_lines(content)
+    if arguments.physics:
+        health = _examined(content, arguments.picture)
+        record["physics"] = health.record()
+        lines += [f"  {f.name:<11} {f.verdict}: {f.sentence}" for f in health.findings]
     if arguments.json:
         record["warnings"] = list(console.warnings)
         console.result(json.dumps(record, indent=1))
     else:
         console.result("\n".join(lines))
+
+
+def _check_picture(arguments: argparse.Namespace) -> None:
+    picture = arguments.picture
+    if picture is None:
+        return
+    if not arguments.physics:
+        raise UsageError("--picture draws the findings of --physics: give both.")
+    if picture.suffix.lower() != ".png":
+        raise UsageError(f"{picture}: pictures are written as .png.")
+
+
+def _examined(content: Samples | Table, picture: Path | None) -> Health:
+    from brdfit.physics import examine
+
+    health = examine(content)
+    if picture is not None:
+        from brdfit.report.physics_figure import draw_health
+
+        draw_health(health, content.source.name, picture)
+    return health
