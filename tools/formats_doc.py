@@ -81,16 +81,20 @@ def _detail(sheet: FormatSheet) -> str:
         f"- Described in: {sheet.specification}.",
     ]
     if sheet.write_samples is not None or sheet.write_table is not None:
-        lines.append(f"- Written and read back: {_precision(sheet.precision)}.")
+        lines.append(f"- Written and read back: {_precision(sheet)}.")
     if sheet.loses:
         lines.append(f"- Writing loses: {sheet.loses}.")
     return "\n".join(lines)
 
 
-def _precision(precision: float) -> str:
-    if precision == 0.0:
+def _precision(sheet: FormatSheet) -> str:
+    if sheet.averages:
+        return f"means over patches, half of a smooth material within {sheet.precision:.0%}"
+    if sheet.precision == 0.0:
         return "every bit"
-    return f"a value changes by at most {precision:.0e} of itself, at directions the file holds"
+    return (
+        f"a value changes by at most {sheet.precision:.0e} of itself, at directions the file holds"
+    )
 
 
 def main(arguments: list[str]) -> int:

@@ -9,7 +9,7 @@ import pytest
 
 import brdfit
 from brdfit.errors import CorruptFile, DataQualityWarning, FormatError, UsageError
-from brdfit.formats.bsdf_text import linear_rgb_from_xyz, xyz_from_linear_rgb
+from brdfit.formats.xyz import linear_rgb_from_xyz, xyz_from_linear_rgb
 from brdfit.grid import Grid
 from brdfit.samples import Flag, Samples
 from brdfit.table import Table

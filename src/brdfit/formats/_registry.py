@@ -43,6 +43,8 @@ _FOLDERS = (
     "rt300s",
     "zemax",
     "lighttools",
+    "tensortree",
+    "klems",
     "merl",
     "astm",
     "nist",

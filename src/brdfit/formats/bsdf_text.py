@@ -14,14 +14,9 @@ from brdfit.arrays import FloatArray
 from brdfit.errors import CorruptFile
 from brdfit.formats.text import TextFile
 
-__all__ = ["Words", "linear_rgb_from_xyz", "xyz_from_linear_rgb"]
+__all__ = ["Words"]
 
 _MOST_ANGLES = 100_000
-
-# Columns: X, Y, Z of the primaries of sRGB (IEC 61966-2-1), white D65.
-_XYZ_OF_RGB = np.array(
-    [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
-)
 
 
 class Words:
@@ -120,13 +115,3 @@ class Words:
                 f"are {angles.min():g} to {angles.max():g}."
             )
         return angles
-
-
-def linear_rgb_from_xyz(xyz: FloatArray) -> FloatArray:
-    """Return linear sRGB (..., 3) of tristimulus values (..., 3) relative to D65."""
-    return np.asarray(xyz @ np.linalg.inv(_XYZ_OF_RGB).T)
-
-
-def xyz_from_linear_rgb(rgb: FloatArray) -> FloatArray:
-    """Return tristimulus values (..., 3) of linear sRGB (..., 3)."""
-    return np.asarray(rgb @ _XYZ_OF_RGB.T)

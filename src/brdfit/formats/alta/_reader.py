@@ -42,6 +42,12 @@ def read_samples(path: Path) -> Samples:
     header = _header_of(text, data)
     if not data:
         raise CorruptFile(f"{text.name}: the header is there, but no row of numbers follows it.")
+    longest = max(len(line.split()) for _, line in data)
+    if header.width > longest:
+        raise CorruptFile(
+            f"{text.name}: none of {len(data)} rows holds {header.width} numbers, as "
+            f"#DIM {header.inputs} {header.outputs} says; the longest has {longest}."
+        )
     cells, readable, lines = parse_rows(data, None, header.width)
     if not readable.any():
         raise CorruptFile(

@@ -15,9 +15,10 @@ import numpy as np
 
 from brdfit.arrays import FloatArray
 from brdfit.errors import CorruptFile, FormatError, UsageError
-from brdfit.formats.bsdf_text import Words, linear_rgb_from_xyz
+from brdfit.formats.bsdf_text import Words
 from brdfit.formats.lighttools import CONVENTION
 from brdfit.formats.text import read_text
+from brdfit.formats.xyz import linear_rgb_from_xyz
 from brdfit.geometry import directions_from_spherical
 from brdfit.samples import Samples
 

@@ -15,8 +15,9 @@ import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.errors import CorruptFile, FormatError, UsageError
-from brdfit.formats.bsdf_text import Words, linear_rgb_from_xyz
+from brdfit.formats.bsdf_text import Words
 from brdfit.formats.text import TextFile, read_text
+from brdfit.formats.xyz import linear_rgb_from_xyz
 from brdfit.formats.zemax import CONVENTION
 from brdfit.formats.zemax.geometry import directions_from_specular
 from brdfit.samples import Flag, Samples

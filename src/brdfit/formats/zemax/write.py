@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import numpy as np
 
 from brdfit.arrays import FloatArray
-from brdfit.errors import DataQualityWarning, UsageError
 from brdfit.files import atomic_path
-from brdfit.formats.bsdf_text import xyz_from_linear_rgb
+from brdfit.formats.xyz import not_negative, refuse_other_channels, xyz_from_linear_rgb
 from brdfit.formats.zemax.geometry import directions_from_specular
 from brdfit.table import Table
 
@@ -26,7 +24,6 @@ AZIMUTHS = np.arange(0.0, 361.0, 10.0)
 """Degrees; up to 180 where the material is its own mirror image."""
 
 _BILATERAL = 1e-6
-_NAMES = (("r", "g", "b"), ("red", "green", "blue"))
 
 
 def write_table(table: Table, path: Path) -> None:
@@ -35,12 +32,9 @@ def write_table(table: Table, path: Path) -> None:
     Values are those of `Table.evaluate`; below the horizon they are 0. Raises `UsageError`
     for other channels, or a table without values.
     """
-    _check_channels(table, path)
+    refuse_other_channels(table, path, "Zemax's format")
     azimuths, values = _sampled(table)
-    if not np.isfinite(values).all():
-        raise UsageError(f"{path.name}: the table has no valid cell, so there is nothing to write.")
-    negative = int(np.count_nonzero(values < 0.0))
-    values = np.maximum(values, 0.0)
+    values = not_negative(values, path)
     if table.n_channels == 3:
         values, names = xyz_from_linear_rgb(values), [f"Tristimulus{axis}" for axis in "XYZ"]
     else:
@@ -50,22 +44,6 @@ def write_table(table: Table, path: Path) -> None:
         lines += ["", name, "DataBegin", *_block(azimuths, values[..., channel]), "DataEnd"]
     with atomic_path(path) as aside:
         aside.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
-    if negative:
-        warnings.warn(
-            f"{path.name}: {negative:,} values below zero were written as 0.",
-            DataQualityWarning,
-            stacklevel=2,
-        )
-
-
-def _check_channels(table: Table, path: Path) -> None:
-    names = tuple(name.lower() for name in table.channels)
-    if table.n_channels == 1 or (names in _NAMES and table.wavelengths is None):
-        return
-    raise UsageError(
-        f"{path.name}: the table has {table.n_channels} channels but Zemax's format holds one, or "
-        f"R, G and B as XYZ. Convert it to linear sRGB first, or write it as .npz."
-    )
 
 
 def _sampled(table: Table) -> tuple[FloatArray, FloatArray]:
