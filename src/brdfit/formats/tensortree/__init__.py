@@ -47,8 +47,8 @@ SHEET = FormatSheet(
     write_table=_write_table,
     loses=(
         "all but luminance (of RGB, with a warning; more channels are refused), the grid (values "
-        "at the middles of 32 sines of incidence x 64 x 64 cells of the disk, some 2 degrees), values "
-        "below zero (written as zero, with a warning), and where the table came from"
+        "at the middles of 32 sines of incidence x 64 x 64 cells of the disk, some 2 degrees), "
+        "values below zero (written as zero, with a warning), and where the table came from"
     ),
     precision=2e-5,
     competes_for=("klems",),
