@@ -13,6 +13,7 @@ from brdfit.cli.parser import Command, Parser, add_commands
 BENCHMARKS = {
     "holdout": "Fit a part of real measurements, predict the rest.",
     "paper": "Every table of the published method, on a population of choice.",
+    "sparse": "Held-out materials from 8 to 4000 samples, every method side by side.",
     "sweep": "Values of open constants compared, on materials set apart for that.",
 }
 """Benchmark -> one sentence. Its module is `brdfit.bench.<name>`."""
