@@ -12,7 +12,21 @@ import pytest
 from brdfit.arrays import FloatArray
 from brdfit.errors import UsageError
 from brdfit.geometry import directions_from_half_diff, directions_from_spherical
-from brdfit.models import COS_FLOOR, Abc, Ggx, Lambert, ShiftedGamma
+from brdfit.models import (
+    COS_FLOOR,
+    Abc,
+    CoatedDiffuse,
+    Flakes,
+    Ggx,
+    Lambert,
+    Layered,
+    PearlFlakes,
+    Retro,
+    RoughDiffuse,
+    Sheen,
+    ShiftedGamma,
+    ThinFilm,
+)
 
 GAMMA = {
     "rho_d": [0.05, 0.03, 0.02],
@@ -34,6 +48,14 @@ MODELS: dict[str, Any] = {
     "abc": Abc(**ABC),
     "ggx": Ggx(diffuse=[0.3, 0.2, 0.1], f0=0.04, alpha=0.15),
     "lambert": Lambert([0.8, 0.5, 0.2]),
+    "mirror_like": Ggx(diffuse=0.001, f0=[0.9, 0.7, 0.5], alpha=0.002),
+    "thin_film": ThinFilm(0.1, 320.0, [610.0, 545.0, 455.0], ior=1.6, base=1.8, extinction=3.0),
+    "coated_diffuse": CoatedDiffuse([0.9, 0.3, 0.01], ior=[1.3, 1.5, 1.8]),
+    "flakes": Flakes([0.05, 0.2, 0.6], [0.9, 0.4, 0.02], ior=1.5),
+    "pearl_flakes": PearlFlakes(0.2, 0.5, 110.0, [610.0, 545.0, 455.0], extinction=[0.0, 1.0, 6.0]),
+    "retro": Retro([0.9, 0.2, 0.05], [0.02, 0.1, 0.6]),
+    "rough_diffuse": RoughDiffuse([0.9, 0.3, 0.02], [0.0, 0.5, 1.0]),
+    "sheen": Layered((Sheen([0.9, 0.3, 0.1], [0.05, 0.3, 1.0]), Lambert(0.01))),
 }
 Draw = Callable[[int], tuple[FloatArray, FloatArray]]
 

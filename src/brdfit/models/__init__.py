@@ -10,8 +10,30 @@ from __future__ import annotations
 
 from brdfit.models.abc import Abc, AbcLobe
 from brdfit.models.angles import COS_FLOOR, PairAngles
+from brdfit.models.coated import CoatedDiffuse, Flakes, PearlFlakes
 from brdfit.models.ggx import Ggx
 from brdfit.models.lambert import Lambert
+from brdfit.models.layered import Layered
+from brdfit.models.retro import Retro
+from brdfit.models.rough_diffuse import RoughDiffuse
+from brdfit.models.sheen import Sheen
 from brdfit.models.shifted_gamma import ShiftedGamma
+from brdfit.models.thin_film import ThinFilm
 
-__all__ = ["COS_FLOOR", "Abc", "AbcLobe", "Ggx", "Lambert", "PairAngles", "ShiftedGamma"]
+__all__ = [
+    "COS_FLOOR",
+    "Abc",
+    "AbcLobe",
+    "CoatedDiffuse",
+    "Flakes",
+    "Ggx",
+    "Lambert",
+    "Layered",
+    "PairAngles",
+    "PearlFlakes",
+    "Retro",
+    "RoughDiffuse",
+    "Sheen",
+    "ShiftedGamma",
+    "ThinFilm",
+]

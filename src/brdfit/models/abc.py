@@ -20,6 +20,7 @@ import numpy.typing as npt
 from brdfit.arrays import FloatArray
 from brdfit.models.angles import PairAngles
 from brdfit.models.columns import freeze_columns
+from brdfit.models.fresnel import dielectric
 
 __all__ = ["Abc", "AbcLobe"]
 
@@ -48,7 +49,7 @@ class AbcLobe:
         lobe *= -np.asarray(self.c)
         np.exp(lobe, out=lobe)
         lobe *= groove / (np.pi * angles.cos_i * angles.cos_o)
-        lobe *= _dielectric_fresnel(angles.cos_d, np.asarray(self.ior))
+        lobe *= dielectric(angles.cos_d, np.asarray(self.ior))
         return np.asarray(lobe)
 
 
@@ -77,11 +78,3 @@ class Abc:
         value *= np.asarray(self.a)
         value += np.asarray(self.k_d) / np.pi
         return np.where(angles.above, value, 0.0)
-
-
-def _dielectric_fresnel(cos_d: FloatArray, ior: FloatArray) -> FloatArray:
-    # g^2 = n^2 - 1 + c^2;  F = 1/2 ((g-c)/(g+c))^2 [1 + ((c(g+c)-1) / (c(g-c)+1))^2]
-    g = np.sqrt(ior**2 - 1.0 + cos_d**2)
-    plus, minus = g + cos_d, g - cos_d
-    parallel = (cos_d * plus - 1.0) / (cos_d * minus + 1.0)
-    return np.asarray(0.5 * (minus / plus) ** 2 * (1.0 + parallel**2))

@@ -23,8 +23,37 @@ from brdfit.arrays import FloatArray
 from brdfit.errors import UsageError
 from brdfit.models.angles import PairAngles
 from brdfit.models.columns import freeze_columns
+from brdfit.models.facets import FacetAngles
+from brdfit.models.fresnel import schlick
 
-__all__ = ["Ggx"]
+__all__ = ["Ggx", "GgxLobe"]
+
+
+@dataclass(frozen=True, eq=False)
+class GgxLobe:
+    """The lobe of facets that reflect everything: D G2 / (4 cos_i cos_o)."""
+
+    alpha: npt.ArrayLike
+    """Roughness of the distribution (not its square root), (0, 1]."""
+
+    def __post_init__(self) -> None:
+        freeze_columns(self)
+        if np.any(np.asarray(self.alpha) <= 0.0):
+            raise UsageError(
+                f"Ggx: alpha is {np.min(self.alpha):g} but must be above 0; a mirror has no f_r."
+            )
+
+    def at(self, facets: FacetAngles) -> FloatArray:
+        """Return D G2 / (4 cos_i cos_o), (n, columns) in 1/sr."""
+        a2 = np.asarray(self.alpha) ** 2
+        cos2_h = 1.0 / (1.0 + facets.tan2_h)
+        # cos^2 (a^2 - 1) + 1 = a^2 cos^2 + sin^2, which does not cancel at the peak
+        sin2_h = facets.tan2_h * cos2_h
+        distribution = a2 / (np.pi * (a2 * cos2_h + sin2_h) ** 2)
+        masked_i = facets.cos_o * np.sqrt(a2 + (1.0 - a2) * facets.cos_i**2)
+        masked_o = facets.cos_i * np.sqrt(a2 + (1.0 - a2) * facets.cos_o**2)
+        # G2 / (4 cos_i cos_o) = 1 / (2 (masked_i + masked_o))
+        return np.asarray(distribution * 0.5 / (masked_i + masked_o))
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,24 +69,16 @@ class Ggx:
 
     def __post_init__(self) -> None:
         freeze_columns(self)
-        if np.any(np.asarray(self.alpha) <= 0.0):
-            raise UsageError(
-                f"Ggx: alpha is {np.min(self.alpha):g} but must be above 0; a mirror has no f_r."
-            )
+        GgxLobe(self.alpha)  # says what is wrong with it
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (n, channels) in 1/sr at (n, 3); 0 below the horizon."""
         angles = PairAngles.of(wi, wo)
-        f0, a2 = np.asarray(self.f0), np.asarray(self.alpha) ** 2
-        # cos^2 (a^2 - 1) + 1 = a^2 cos^2 + sin^2, which does not cancel at the peak
-        cos2_h = angles.cos_h**2
-        sin2_h = angles.tan2_h * cos2_h
-        distribution = a2 / (np.pi * (a2 * cos2_h + sin2_h) ** 2)
-        masked_i = angles.cos_o * np.sqrt(a2 + (1.0 - a2) * angles.cos_i**2)
-        masked_o = angles.cos_i * np.sqrt(a2 + (1.0 - a2) * angles.cos_o**2)
-        fresnel = f0 + (1.0 - f0) * (1.0 - angles.cos_d) ** 5
-        # G2 / (4 cos_i cos_o) = 1 / (2 (masked_i + masked_o))
-        value = np.asarray(self.diffuse) / np.pi + fresnel * distribution * 0.5 / (
-            masked_i + masked_o
-        )
-        return np.where(angles.above, value, 0.0)
+        return np.where(angles.above, self.at(angles), 0.0)
+
+    def at(self, angles: PairAngles) -> FloatArray:
+        """Return f_r (n, channels), as if every direction were above the horizon."""
+        value = GgxLobe(self.alpha).at(FacetAngles.outside(angles))
+        value *= schlick(angles.cos_d, np.asarray(self.f0))
+        value += np.asarray(self.diffuse) / np.pi
+        return value

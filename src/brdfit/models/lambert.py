@@ -26,5 +26,10 @@ class Lambert:
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (n, channels) in 1/sr at (n, 3); 0 below the horizon."""
-        above = PairAngles.of(wi, wo).above
-        return np.where(above, np.asarray(self.albedo) / np.pi, 0.0)
+        angles = PairAngles.of(wi, wo)
+        return np.where(angles.above, self.at(angles), 0.0)
+
+    def at(self, angles: PairAngles) -> FloatArray:
+        """Return f_r (n, channels), as if every direction were above the horizon."""
+        albedo = np.asarray(self.albedo)
+        return np.broadcast_to(albedo / np.pi, (len(angles.cos_i), albedo.size))
