@@ -3,6 +3,8 @@
     fit_outputs   the four files of a fit, together or not at all
     fit_figure    the picture of a fit
     samples_csv   the samples with their weight and residual
+    channels      which channels a plot shows, and in which colours
+    slice_panel   one slice with its band and the samples nearby, for an interactive plot
     coverage      where the samples lie
     compare       one BRDF against another under every metric
     rgb           a table of any channels as R, G, B, and what that cost

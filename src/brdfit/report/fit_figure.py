@@ -19,6 +19,7 @@ from brdfit.errors import UsageError
 from brdfit.geometry import spherical_from_directions
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.result import Reconstruction
+from brdfit.report.channels import INK, shown_channels
 from brdfit.report.coverage import Coverage
 from brdfit.samples import Samples
 from brdfit.table import Table
@@ -37,7 +38,6 @@ _SPACING = 0.15
 _PLANE = np.radians(5.0)
 _ANGLE = np.radians(3.0)
 _USUAL = np.radians([15.0, 45.0, 65.0])
-_INK = "#222222"
 _OUTLIER = "#d02020"
 
 
@@ -129,7 +129,7 @@ def draw_fit(
         ax = figure.add_subplot(bottom[index])
         _draw_slice(ax, result, one)
     figure.legend(*ax.get_legend_handles_labels(), ncols=5, fontsize=8, loc=(0.062, 0.475))
-    figure.suptitle(_headline(result, coverage), fontsize=11, x=0.012, ha="left", color=_INK)
+    figure.suptitle(_headline(result, coverage), fontsize=11, x=0.012, ha="left", color=INK)
     figure.savefig(path, format="png")
     progress("drawing", 4, 4)
 
@@ -146,7 +146,7 @@ def _headline(result: Reconstruction, coverage: Coverage | None) -> str:
 
 def _title(ax: Any, text: str) -> None:
     # With y given matplotlib does not lay out all labels once more to find a free height.
-    ax.set_title(text, fontsize=10, color=_INK, y=1.0)
+    ax.set_title(text, fontsize=10, color=INK, y=1.0)
 
 
 def _draw_sphere(ax: Any, rgb: Table, light: Illumination) -> None:
@@ -219,7 +219,7 @@ def _draw_slice(ax: Any, result: Reconstruction, one: Slice) -> None:
     outlier = result.outliers[one.rows]
     degrees = np.degrees(one.theta_o)
     names = result.samples.channels
-    for channel, colour in _shown_channels(result.samples):
+    for channel, colour in shown_channels(result.samples.n_channels, result.samples.wavelengths):
         line = curve.values[0, :, channel]
         ax.plot(np.degrees(curve.theta_o), line, color=colour, linewidth=1.2, label=names[channel])
         measured = result.samples.value[one.rows, channel]
@@ -227,7 +227,7 @@ def _draw_slice(ax: Any, result: Reconstruction, one: Slice) -> None:
         ax.plot(degrees[good], measured[good], ".", color=colour, markersize=3.5, alpha=0.8)
         bad = result.samples.positive[one.rows, channel] & outlier
         ax.plot(degrees[bad], measured[bad], "x", color=_OUTLIER, markersize=5, alpha=0.9)
-    ax.plot([], [], ".", color=_INK, markersize=5, label="measured")
+    ax.plot([], [], ".", color=INK, markersize=5, label="measured")
     ax.plot([], [], "x", color=_OUTLIER, markersize=5, label="taken for an outlier")
     ax.axvline(np.degrees(one.theta_i), color="#999999", linewidth=0.6, linestyle=":")
     ax.set_yscale("log")
@@ -239,19 +239,3 @@ def _draw_slice(ax: Any, result: Reconstruction, one: Slice) -> None:
     ax.set_ylabel("f_r (1/sr)", fontsize=9)
     ax.tick_params(labelsize=8)
     ax.grid(color="#dddddd", linewidth=0.5)
-
-
-def _shown_channels(samples: Samples) -> list[tuple[int, str]]:
-    """Return at most three channels and the colours to draw them in."""
-    n = samples.n_channels
-    if n == 1:
-        return [(0, _INK)]
-    if n == 3 and samples.wavelengths is None:
-        return [(0, "#c03030"), (1, "#208030"), (2, "#2050c0")]
-    if samples.wavelengths is None:
-        return [(c, colour) for c, colour in enumerate(("#222222", "#777777", "#aaaaaa")[:n])]
-    near = {
-        int(np.argmin(np.abs(samples.wavelengths - wavelength))): colour
-        for wavelength, colour in ((620.0, "#c03030"), (540.0, "#208030"), (460.0, "#2050c0"))
-    }
-    return list(near.items())
