@@ -12,10 +12,13 @@ from brdfit.geometry import spherical_from_directions, wrap_phi_d
 from brdfit.grid import Grid
 from brdfit.samples import Samples
 
-__all__ = ["NEAR", "Coverage", "coverage_of"]
+__all__ = ["FAR", "NEAR", "Coverage", "Reach", "coverage_of"]
 
 NEAR = 5.0
 """Degrees in half/difference coordinates within which a sample speaks for a direction."""
+
+FAR = 15.0
+"""Degrees beyond which a direction is no longer interpolated, but supplied by the method."""
 
 _NODES = Grid(30, 30, 36)
 
@@ -34,8 +37,12 @@ class Coverage:
     """Smallest and largest difference angle: 90 is grazing."""
     share: float
     """Share of the domain, by how often random pairs of directions fall there, in [0, 1]."""
+    share_between: float
+    """Share of the domain that is not near, but within `far`: interpolated."""
     near: float = NEAR
     """Degrees that count as near."""
+    far: float = FAR
+    """Degrees beyond which the method, not a measurement, supplies the value."""
 
     def record(self) -> dict[str, Any]:
         """Return the figures as JSON-able values."""
@@ -55,41 +62,59 @@ class Coverage:
         return f"{ranges} degrees; {self.share:.0%} of the domain within {self.near:g} degrees"
 
 
+class Reach:
+    """How far any direction is from the nearest usable sample.
+
+    Distance is Euclidean in (theta_h, theta_d) and the arc that phi_d spans there, with
+    phi_d taken by reciprocity. Without a usable sample every distance is infinite.
+    """
+
+    def __init__(self, samples: Samples) -> None:
+        from scipy.spatial import cKDTree
+
+        used = samples.usable.any(axis=1)
+        points = _embedded(*(angle[used] for angle in samples.half_diff))
+        # Twenty thousand points already fill what hundreds of thousands fill.
+        step = max(1, len(points) // 20_000)
+        self._tree = cKDTree(points[::step])
+
+    def degrees(
+        self, theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray, most: float = FAR
+    ) -> FloatArray:
+        """Return the distance, shaped as the angles (radians); infinite beyond `most`."""
+        angles = np.broadcast_arrays(theta_h, theta_d, phi_d)
+        distance, _ = self._tree.query(
+            _embedded(*angles), distance_upper_bound=np.radians(most) * (1.0 + 1e-12)
+        )
+        return np.asarray(np.degrees(distance))
+
+
 def coverage_of(samples: Samples) -> Coverage | None:
     """Return the coverage of the usable samples; None if there are none.
 
-    Distance is Euclidean in (theta_h, theta_d) and the arc that phi_d spans there, with
-    phi_d taken by reciprocity, over a grid of 30 x 30 x 36 nodes.
+    The shares are over a grid of 30 x 30 x 36 nodes; the distance is that of `Reach`.
     """
     used = samples.usable.any(axis=1)
     if not used.any():
         return None
     theta_i, _ = spherical_from_directions(samples.wi[used])
     theta_o, _ = spherical_from_directions(samples.wo[used])
-    theta_h, theta_d, phi_d = (angle[used] for angle in samples.half_diff)
+    theta_h, theta_d, _ = (angle[used] for angle in samples.half_diff)
+    distance = Reach(samples).degrees(*_NODES.half_diff(_NODES.cells))
+    measure = _NODES.solid_angle.reshape(-1)[_NODES.cells]
+    near, between = distance <= NEAR, (distance > NEAR) & (distance <= FAR)
     return Coverage(
         theta_i=_range(theta_i),
         theta_o=_range(theta_o),
         theta_h=_range(theta_h),
         theta_d=_range(theta_d),
-        share=_share_near(theta_h, theta_d, phi_d),
+        share=float(measure[near].sum() / measure.sum()),
+        share_between=float(measure[between].sum() / measure.sum()),
     )
 
 
 def _range(angle: FloatArray) -> tuple[float, float]:
     return float(np.degrees(angle.min())), float(np.degrees(angle.max()))
-
-
-def _share_near(theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray) -> float:
-    from scipy.spatial import cKDTree
-
-    nodes = _NODES.half_diff(_NODES.cells)
-    # Twenty thousand points already fill what hundreds of thousands fill.
-    step = max(1, len(theta_h) // 20_000)
-    tree = cKDTree(_embedded(theta_h, theta_d, phi_d)[::step])
-    reach, _ = tree.query(_embedded(*nodes), distance_upper_bound=np.radians(NEAR))
-    measure = _NODES.solid_angle.reshape(-1)[_NODES.cells]
-    return float(measure[np.isfinite(reach)].sum() / measure.sum())
 
 
 def _embedded(theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray) -> FloatArray:

@@ -24,11 +24,13 @@ from brdfit.errors import UsageError
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.result import Reconstruction
-from brdfit.report.coverage import Coverage, coverage_of
+from brdfit.report.coverage import coverage_of
 from brdfit.report.file_set import write_set
 from brdfit.report.fit_figure import draw_fit
+from brdfit.report.fitted import fit_record
 from brdfit.report.rgb import Conversion, rgb_table
 from brdfit.report.samples_csv import write_samples_csv
+from brdfit.report.uncertainty import Uncertainty
 from brdfit.table import Table
 from brdfit.tone import colour_library
 
@@ -109,7 +111,8 @@ def write_fit(
     if _table_format(paths.table) == _COLOUR_ONLY:
         written, cost = rgb, conversion
     coverage = coverage_of(result.samples)
-    record = _record(result, paths, cost, coverage, context or {})
+    made = fit_record(result, Uncertainty.of(result, progress))
+    record = _record(made, paths, cost, context or {})
     writers: dict[Path, Callable[[Path], object]] = {
         paths.table: lambda aside: write_table(written, aside),
         paths.picture: lambda aside: draw_fit(result, rgb, coverage, aside, progress),
@@ -167,18 +170,14 @@ def _json(record: dict[str, Any]) -> str:
 
 
 def _record(
-    result: Reconstruction,
-    paths: FitPaths,
-    conversion: Conversion,
-    coverage: Coverage | None,
-    context: Mapping[str, Any],
+    made: dict[str, Any], paths: FitPaths, conversion: Conversion, context: Mapping[str, Any]
 ) -> dict[str, Any]:
     names = ("table", "picture", "record", "samples")
+    uncertainty = made.pop("uncertainty")  # a long line: last
     return {
-        "schema": "brdfit.fit/1",
-        **result.record(),
-        "coverage": None if coverage is None else coverage.record(),
+        **made,
         "channels_written": conversion.record(),
         "outputs": {name: path.name for name, path in zip(names, paths.all(), strict=True)},
         **context,
+        "uncertainty": uncertainty,
     }
