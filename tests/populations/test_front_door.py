@@ -32,7 +32,9 @@ def test_a_population_is_returned_as_it_is() -> None:
 
 
 def test_a_misspelt_name_is_corrected() -> None:
-    with pytest.raises(PopulationError, match=r"There are published, nbrdf, .*mean 'published'\?"):
+    with pytest.raises(
+        PopulationError, match=r"There are published, synthetic, .*mean 'published'\?"
+    ):
         population("publishd")
 
 
@@ -63,7 +65,7 @@ def test_fetched_networks_answer_to_their_name(cache: Path, shared_data: Path) -
 
 def test_the_list_says_what_is_ready_and_what_to_do(cache: Path) -> None:
     infos = {info.name: info for info in list_populations()}
-    assert set(infos) == {"published", "nbrdf", "merl"}
+    assert set(infos) == {"published", "synthetic", "embedded", "nbrdf", "merl"}
     assert infos["published"].available
     assert not infos["published"].built
     assert not infos["nbrdf"].available
@@ -74,7 +76,7 @@ def test_the_list_says_what_is_ready_and_what_to_do(cache: Path) -> None:
 def test_published_is_in_order(cache: Path) -> None:
     report = check("published")
     assert report.ok
-    assert [finding.subject for finding in report.findings] == ["embedded table", "cached columns"]
+    assert [finding.subject for finding in report.findings] == ["members", "cached columns"]
 
 
 def test_networks_that_are_missing_are_reported_not_raised(cache: Path) -> None:

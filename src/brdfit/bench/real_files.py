@@ -2,7 +2,7 @@
 
 A folder `DIR` holds one folder per laboratory: cornell/*.astm, rgl/*.bsdf (as the
 irregular samples that were measured), nist/*.csv, curet/*.dat (each of its materials a
-case). Folders that are missing are left out.
+case), rt300s/*.xls (read with the blank beside it). Folders that are missing are left out.
 """
 
 from __future__ import annotations
@@ -42,7 +42,15 @@ __all__ = [
 Evaluate = Callable[[FloatArray, FloatArray], FloatArray]
 """f_r (n, channels) at direction pairs (n, 3): what a fit leaves."""
 
-_FOLDERS = {"cornell": "*.astm", "rgl": "*.bsdf", "nist": "*.csv", "curet": "*.dat"}
+_FOLDERS = {
+    "cornell": "*.astm",
+    "rgl": "*.bsdf",
+    "nist": "*.csv",
+    "curet": "*.dat",
+    "rt300s": "*.xls",
+}
+# A measurement without a sample: the reader subtracts it from those beside it.
+_BLANK = "blank"
 # An RGL file holds every measurement twice, mirrored at the plane of incidence: with both
 # halves, what is to be predicted would be copies of what was fitted.
 _OPTIONS: dict[str, dict[str, Any]] = {"rgl": {"half": True}}
@@ -68,6 +76,8 @@ def find_cases(folder: Path) -> list[RealCase]:
     for laboratory, pattern in _FOLDERS.items():
         for path in sorted((folder / laboratory).glob(pattern)):
             name = f"{laboratory}/{path.name}"
+            if path.name.startswith(_BLANK):
+                continue
             if laboratory == "curet":
                 cases += [
                     RealCase(f"{name}#{material:02d}", path, {"material": material})

@@ -19,7 +19,15 @@ from brdfit.arrays import FloatArray, IntArray
 from brdfit.errors import PopulationError
 from brdfit.grid import Grid
 
-__all__ = ["VALUE_FLOOR", "MemberSource", "Population", "TabulatedSource", "member_values"]
+__all__ = [
+    "VALUE_FLOOR",
+    "MemberSource",
+    "Population",
+    "TabulatedSource",
+    "WeightedSource",
+    "member_values",
+    "source_weights",
+]
 
 VALUE_FLOOR = 1e-4
 """1/sr. Logarithms of population values are taken of max(f_r, VALUE_FLOOR).
@@ -74,6 +82,25 @@ class TabulatedSource(Protocol):
 
     def cell_values(self, member: int, grid: Grid, cells: IntArray) -> FloatArray:
         """Return f_r (len(cells), channels) of one member at flat cells of a grid."""
+
+
+@runtime_checkable
+class WeightedSource(Protocol):
+    """What a `MemberSource` offers besides, if its members are not equally likely."""
+
+    @property
+    def weights(self) -> FloatArray:
+        """What each member counts in a prior, (members,), above zero, in any unit.
+
+        Part of the fingerprint.
+        """
+
+
+def source_weights(source: MemberSource) -> FloatArray:
+    """Return what each member of a source counts, (members,), sum 1; alike if it does not say."""
+    given = isinstance(source, WeightedSource)
+    weights = source.weights if given else np.ones(len(source.members))  # type: ignore[attr-defined]
+    return np.asarray(weights, dtype=np.float64) / np.sum(weights)
 
 
 def member_values(by_channel: FloatArray) -> FloatArray:
@@ -138,6 +165,16 @@ class Population:
     def unique_materials(self) -> tuple[str, ...]:
         """Materials, each once, in order."""
         return tuple(dict.fromkeys(self.materials))
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """What each selected member counts in a prior, (members,), above zero, sum 1.
+
+        All alike, unless the source has an opinion. A method that takes every channel of every
+        member for a column gives each column the weight of its member.
+        """
+        weights = source_weights(self.source)[self.pick]
+        return np.asarray(weights / weights.sum())
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (n, members, channels), float32, >= 0 in 1/sr, at direction pairs (n, 3)."""

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from brdfit.errors import DataQualityWarning, PopulationError
 from brdfit.populations.contract import MemberSource, Population
+from brdfit.populations.embedded import COMES_ALONG
 from brdfit.populations.fetch import fetch, fetched_path
 from brdfit.populations.known import KNOWN
-from brdfit.populations.published import published_fits
 from brdfit.progress import Progress, silent
 
 __all__ = ["population"]
@@ -26,8 +26,9 @@ def population(
     Parameters
     ----------
     name_or_path
-        "published" (comes with brdfit), "nbrdf" (needs `brdfit basis fetch nbrdf` once),
-        the path of an archive of networks (.zip), or of a folder of MERL `.binary` files.
+        "published", "synthetic", or "embedded", which is both with their weights (they come
+        with brdfit); "nbrdf" (needs `brdfit basis fetch nbrdf` once); the path of an archive
+        of networks (.zip), or of a folder of MERL `.binary` files.
         A `Population` is returned as it is.
     progress
         Hears of the reading of a folder of tables, which takes a minute the first time.
@@ -38,8 +39,8 @@ def population(
     if isinstance(name_or_path, Population):
         return name_or_path
     name = os.fspath(name_or_path)
-    if name == "published":
-        return Population.of(published_fits())
+    if name in COMES_ALONG:
+        return Population.of(COMES_ALONG[name]())
     if name == "nbrdf":
         return Population.of(_fetched_networks())
     if name in KNOWN:

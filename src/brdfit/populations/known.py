@@ -34,6 +34,16 @@ KNOWN = {
             terms="Figures from two publications; comes with brdfit.",
         ),
         KnownPopulation(
+            name="synthetic",
+            title="analytic materials of kinds that MERL lacks: films, flakes, cloth, mirrors, ...",
+            terms="Made by brdfit itself; comes with brdfit.",
+        ),
+        KnownPopulation(
+            name="embedded",
+            title="the published fits and the synthetic materials, weighted on real measurements",
+            terms="Figures from two publications, and made by brdfit itself; comes with brdfit.",
+        ),
+        KnownPopulation(
             name="nbrdf",
             title="the 100 MERL materials decoded into neural networks (Sztrajman et al. 2021)",
             terms="MIT licence.",

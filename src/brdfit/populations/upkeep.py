@@ -14,10 +14,10 @@ from brdfit.grid import MERL_GRID
 from brdfit.populations.cache import cache_folder
 from brdfit.populations.columns import Columns, columns
 from brdfit.populations.contract import MemberSource
+from brdfit.populations.embedded import COMES_ALONG
 from brdfit.populations.fetch import fetched_path
 from brdfit.populations.front import population
 from brdfit.populations.known import KNOWN
-from brdfit.populations.published import published_fits
 from brdfit.populations.store import MANIFEST, Store, columns_folder, intact
 from brdfit.progress import Progress, silent
 
@@ -90,8 +90,8 @@ def _info(name: str) -> PopulationInfo:
     known = KNOWN[name]
     source: MemberSource | None = None
     advice = f"Read the terms at {known.page}, then give the path of the folder of files."
-    if name == "published":
-        source, advice = published_fits(), ""
+    if name in COMES_ALONG:
+        source, advice = COMES_ALONG[name](), ""
     elif known.url:
         advice = f"brdfit basis fetch {name}"
         if fetched_path(name).is_file():
@@ -129,11 +129,9 @@ def check(name: str | os.PathLike[str], progress: Progress = silent) -> CheckRep
     path = Path(name).expanduser()
     if name not in KNOWN and path.is_dir():
         findings, source = _check_folder(path, name, progress)
-    elif name == "published":
-        source = published_fits()
-        findings = [
-            Finding("embedded table", "ok", f"{len(source.members)} members, embedded", True)
-        ]
+    elif name in COMES_ALONG:
+        source = COMES_ALONG[name]()
+        findings = [Finding("members", "ok", f"{len(source.members)}, come with brdfit", True)]
     else:
         findings, source = _check_archive(name, path)
     if source is not None:
@@ -209,7 +207,7 @@ def clear(stale_only: bool = False) -> Cleared:
 
 
 def _current_fingerprints() -> dict[str, str]:
-    current = {"published": published_fits().fingerprint}
+    current = {name: source().fingerprint for name, source in COMES_ALONG.items()}
     if fetched_path("nbrdf").is_file():
         try:
             current["nbrdf"] = population("nbrdf").fingerprint

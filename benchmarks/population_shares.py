@@ -1,0 +1,125 @@
+"""Choose what each synthetic family counts beside the published fits, on half of the real files.
+
+    python benchmarks/population_shares.py --data DIR [-o RESULT.json]
+
+One family after the other has its share tripled, cut to a third, or taken away, and the change
+is kept where the error falls: the geometric mean, over files and settings, of the mean
+|delta ln f| of held-out samples (see `log_gaussian`). Repeated until nothing changes. The files
+for reporting are not read. What was found is not used by itself: it stands, by hand, in
+`brdfit.populations.embedded`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from log_gaussian import Moments, Setting, Trial, halves, mean_error
+
+from brdfit.bench.ledger import versions
+from brdfit.bench.real_files import input_hashes
+from brdfit.files import atomic_path
+from brdfit.populations import Population, population
+
+SETTINGS = (
+    Setting(100),
+    Setting(300),
+    Setting(100, residual=True),
+    Setting(100, residual=True, blind=True),
+)
+START = 0.1
+FACTORS = (3.0, 1.0 / 3.0, 0.0)
+# A change has to be worth more than rounding: a thousandth of the error.
+WORTH = 1e-3
+ROUNDS = 4
+
+
+def main() -> None:
+    """Choose, print, and write the result where it is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--data", type=Path, required=True, help="folder of real measurements")
+    parser.add_argument("--half", choices=("choosing", "reporting"), default="choosing")
+    parser.add_argument("-o", "--output", type=Path)
+    arguments = parser.parse_args()
+    cases = halves(arguments.data)[arguments.half]
+    parts = families()
+    objective = _objective(cases, list(parts.values()))
+    shares, history = search(objective, list(parts))
+    result = {
+        "half": arguments.half,
+        "settings": [str(setting) for setting in SETTINGS],
+        "shares": shares,
+        "history": history,
+        "fingerprints": {name: part.fingerprint for name, part in parts.items()},
+        "inputs": input_hashes(cases),
+        "files": [case.name for case in cases],
+        "versions": versions(),
+    }
+    text = json.dumps(result, indent=1) + "\n"
+    print(text, end="")
+    if arguments.output:
+        with atomic_path(arguments.output) as aside:
+            aside.write_text(text, encoding="utf-8")
+
+
+def families() -> dict[str, Population]:
+    """Return the published fits and each synthetic family, by name."""
+    synthetic = population("synthetic")
+    found = {"published": population("published")}
+    return found | {name: synthetic.subset([name]) for name in synthetic.unique_materials}
+
+
+def _objective(cases: list, parts: list[Population]) -> Callable[[list[float]], float]:
+    trials = [Trial.of(case, setting) for setting in SETTINGS for case in cases]
+    prepared = [
+        (trial, [Moments.of(part, trial) for part in parts], trial.kernels())
+        for trial in trials
+        if trial is not None
+    ]
+
+    def error(shares: list[float]) -> float:
+        logs = [
+            np.log(mean_error(trial, Moments.mixed(moments, shares), kernels))
+            for trial, moments, kernels in prepared
+        ]
+        return float(np.exp(np.mean(logs)))
+
+    return error
+
+
+def search(
+    objective: Callable[[list[float]], float], names: list[str]
+) -> tuple[dict[str, float], list[dict[str, object]]]:
+    """Return the shares found (the published fits count 1), and every step on the way."""
+    shares = [1.0] + [START] * (len(names) - 1)
+    best = objective(shares)
+    history: list[dict[str, object]] = [
+        {
+            "changed": "only the published fits",
+            "error": objective([1.0] + [0.0] * (len(names) - 1)),
+        },
+        {"changed": f"every family counts {START}", "error": best},
+    ]
+    for _ in range(ROUNDS):
+        before = best
+        for k in range(1, len(names)):
+            tried = {}
+            for factor in FACTORS:
+                changed = [*shares[:k], (shares[k] or START / 3.0) * factor, *shares[k + 1 :]]
+                tried[factor] = (objective(changed), changed)
+            error, changed = min(tried.values(), key=lambda item: item[0])
+            if error < best * (1.0 - WORTH):
+                best, shares = error, changed
+                step = f"{names[k]} to {shares[k]:.3g}"
+                history.append({"changed": step, "error": best})
+                print(step, f"{best:.5f}", flush=True)
+        if best == before:
+            break
+    return dict(zip(names, shares, strict=True)), history
+
+
+if __name__ == "__main__":
+    main()
