@@ -138,11 +138,12 @@ def test_merl_is_not_fetched_but_its_terms_are_shown(cache: Path) -> None:
         fetch("merl")
 
 
-def test_published_needs_no_fetching(cache: Path) -> None:
+@pytest.mark.parametrize("name", ["published", "synthetic", "embedded"])
+def test_what_comes_along_needs_no_fetching(cache: Path, name: str) -> None:
     with pytest.raises(PopulationError, match="nothing to fetch"):
-        fetch("published")
+        fetch(name)
 
 
 def test_an_unknown_name_lists_the_known() -> None:
-    with pytest.raises(UsageError, match="published, nbrdf, merl"):
+    with pytest.raises(UsageError, match="published, synthetic, embedded, nbrdf, merl"):
         fetch("cornell")

@@ -35,8 +35,8 @@ def fetch(name: str, url: str | None = None, progress: Progress = silent) -> Pat
     if name not in KNOWN:
         raise UsageError(f"fetch: found {name!r} but known are {', '.join(KNOWN)}.")
     known = KNOWN[name]
-    if name == "published":
-        raise PopulationError("population 'published' comes with brdfit: nothing to fetch.")
+    if not known.page:
+        raise PopulationError(f"population {name!r} comes with brdfit: nothing to fetch.")
     if not known.url:
         raise PopulationError(
             f"population {name!r} is not fetched automatically. Terms: {known.terms} Page: "

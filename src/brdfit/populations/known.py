@@ -18,7 +18,7 @@ class KnownPopulation:
     terms: str
     """On which terms its owners give it, in a sentence."""
     page: str = ""
-    """Where a person reads about it."""
+    """Where a person reads about it; empty where it comes with brdfit."""
     url: str = ""
     """What `fetch` downloads; empty where there is nothing to download automatically."""
     sha256: str = ""
