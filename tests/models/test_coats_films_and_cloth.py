@@ -23,6 +23,7 @@ from brdfit.models import (
     Retro,
     RoughDiffuse,
     Sheen,
+    Student,
     ThinFilm,
 )
 from brdfit.models.fresnel import dielectric, film
@@ -67,6 +68,7 @@ def test_a_coat_of_air_is_no_coat(random_directions: Draw) -> None:
         ThinFilm([0.05, 0.3, 1.0], 300.0, 545.0, 1.8, 1.0, 5.0),
         Retro(1.0, [0.15, 0.3, 1.0]),
         Sheen(0.8, [0.1, 0.3, 1.0]),
+        Student(1.0, [0.05, 0.2, 0.3], [2.0, 3.0, 50.0]),
     ],
     ids=lambda model: type(model).__name__,
 )
@@ -186,3 +188,23 @@ def test_a_material_without_parts_is_refused() -> None:
 def test_sheen_without_roughness_is_refused() -> None:
     with pytest.raises(UsageError, match="alpha is 0"):
         Sheen(0.5, 0.0)
+
+
+def test_a_lobe_with_a_tail_of_two_is_ggx(random_directions: Draw) -> None:
+    wi, wo = random_directions(200)
+    ggx = Ggx(0.0, [0.04, 0.9], [0.01, 0.3]).evaluate(wi, wo)
+    np.testing.assert_allclose(Student([0.04, 0.9], [0.01, 0.3]).evaluate(wi, wo), ggx, rtol=1e-9)
+
+
+def test_a_lobe_without_tail_is_beckmann_in_the_half_angle() -> None:
+    theta = np.radians([0.0, 2.0, 5.0, 10.0])
+    # wi = wo = wh: every factor but D cos^4 is that of GGX
+    w = directions_from_spherical(theta, np.zeros(4))
+    ggx = Ggx(0.0, 0.5, 0.1).evaluate(w, w)[:, 0] * (1.0 + np.tan(theta) ** 2 / 0.01) ** 2
+    found = Student(0.5, 0.1, 1e7).evaluate(w, w)[:, 0]
+    np.testing.assert_allclose(found, ggx * np.exp(-(np.tan(theta) ** 2) / 0.01), rtol=1e-5)
+
+
+def test_a_tail_that_holds_too_much_light_is_refused() -> None:
+    with pytest.raises(UsageError, match="tail is 1 but"):
+        Student(0.5, 0.1, 1.0)

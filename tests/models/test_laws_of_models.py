@@ -25,6 +25,7 @@ from brdfit.models import (
     RoughDiffuse,
     Sheen,
     ShiftedGamma,
+    Student,
     ThinFilm,
 )
 
@@ -55,6 +56,9 @@ MODELS: dict[str, Any] = {
     "pearl_flakes": PearlFlakes(0.2, 0.5, 110.0, [610.0, 545.0, 455.0], extinction=[0.0, 1.0, 6.0]),
     "retro": Retro([0.9, 0.2, 0.05], [0.02, 0.1, 0.6]),
     "rough_diffuse": RoughDiffuse([0.9, 0.3, 0.02], [0.0, 0.5, 1.0]),
+    "student": Layered(
+        (Student([0.9, 0.3, 0.04], [0.004, 0.1, 0.6], [1.2, 3.0, 40.0]), Lambert(0.01))
+    ),
     "sheen": Layered((Sheen([0.9, 0.3, 0.1], [0.05, 0.3, 1.0]), Lambert(0.01))),
 }
 Draw = Callable[[int], tuple[FloatArray, FloatArray]]

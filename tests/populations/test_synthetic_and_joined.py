@@ -90,8 +90,8 @@ def test_draws_fill_every_stratum_of_every_dimension_in_another_order() -> None:
     assert not np.allclose(Draws("other", 200).share(), shares[0])
 
 
-FINGERPRINT = "097b96937af3cf4d"
-LEVEL = [-2.67103, -1.0025, -1.76367, -3.34519, -3.32926, -1.54434, -1.92877]
+FINGERPRINT = "7daacd2687c3ea95"
+LEVEL = [-4.09361, -1.73585, -1.9651, -3.42493, -3.32926, -1.57403, -1.93251]
 
 
 def test_values_change_only_together_with_the_fingerprint() -> None:
@@ -110,6 +110,11 @@ def test_the_fingerprint_follows_the_parameters() -> None:
 
 def test_members_of_an_ordinary_source_count_alike(toy: Toy) -> None:
     np.testing.assert_allclose(Population.of(toy()).weights, 1.0 / 3.0)
+
+
+def test_members_of_networks_count_alike(shared_data: Path) -> None:
+    networks = population(shared_data / "nbrdf" / "merl_nbrdf.zip")
+    np.testing.assert_allclose(networks.weights, 0.01)
 
 
 def test_members_of_joined_sources_count_as_their_shares_say(toy: Toy) -> None:

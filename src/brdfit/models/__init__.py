@@ -18,6 +18,7 @@ from brdfit.models.retro import Retro
 from brdfit.models.rough_diffuse import RoughDiffuse
 from brdfit.models.sheen import Sheen
 from brdfit.models.shifted_gamma import ShiftedGamma
+from brdfit.models.student import Student
 from brdfit.models.thin_film import ThinFilm
 
 __all__ = [
@@ -35,5 +36,6 @@ __all__ = [
     "RoughDiffuse",
     "Sheen",
     "ShiftedGamma",
+    "Student",
     "ThinFilm",
 ]

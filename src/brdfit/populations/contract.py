@@ -89,7 +89,7 @@ class WeightedSource(Protocol):
     """What a `MemberSource` offers besides, if its members are not equally likely."""
 
     @property
-    def weights(self) -> FloatArray:
+    def prior_weights(self) -> FloatArray:
         """What each member counts in a prior, (members,), above zero, in any unit.
 
         Part of the fingerprint.
@@ -99,7 +99,7 @@ class WeightedSource(Protocol):
 def source_weights(source: MemberSource) -> FloatArray:
     """Return what each member of a source counts, (members,), sum 1; alike if it does not say."""
     given = isinstance(source, WeightedSource)
-    weights = source.weights if given else np.ones(len(source.members))  # type: ignore[attr-defined]
+    weights = source.prior_weights if given else np.ones(len(source.members))  # type: ignore[attr-defined]
     return np.asarray(weights, dtype=np.float64) / np.sum(weights)
 
 

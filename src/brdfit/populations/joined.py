@@ -69,7 +69,7 @@ class Joined:
         return tuple(material for part in self.parts for material in part.materials)
 
     @cached_property
-    def weights(self) -> FloatArray:
+    def prior_weights(self) -> FloatArray:
         """What each member counts, (members,), above zero, sum 1."""
         total = sum(self.shares)
         return np.concatenate(

@@ -20,11 +20,13 @@ from brdfit.models import (
     CoatedDiffuse,
     Flakes,
     Ggx,
+    Lambert,
     Layered,
     PearlFlakes,
     Retro,
     RoughDiffuse,
     Sheen,
+    Student,
     ThinFilm,
 )
 
@@ -87,40 +89,41 @@ class Recipe:
 
 
 def _plastic(draws: Draws) -> Layered:
-    """Return a glossy to satin coat over a diffuse base, with a haze about the highlight."""
+    """Return a glossy to satin coat over a diffuse base, black to white."""
     f0 = draws.linear(0.025, 0.08)
-    alpha = draws.log(0.01, 0.5)
-    haze = draws.log(0.005, 0.3)
+    alpha = draws.log(0.005, 0.5)
     return Layered(
         (
-            CoatedDiffuse(draws.tint(0.005, 0.9, 3.0), draws.linear(1.3, 1.7)),
-            Ggx(0.0, f0, alpha),
-            Ggx(0.0, f0 * haze, np.minimum(4.0 * alpha, 1.0)),
+            CoatedDiffuse(draws.tint(0.0005, 0.9, 3.0), draws.linear(1.3, 1.7)),
+            Student(f0, alpha, draws.log(1.2, 12.0)),
+            Student(f0 * draws.log(0.003, 0.3), np.minimum(alpha * draws.log(3.0, 12.0), 1.0)),
         )
     )
 
 
 def _metal(draws: Draws) -> Layered:
     """Return bare metal from polished to blasted: a tinted lobe with a wider one below."""
-    f0 = draws.tint(0.2, 0.9, 1.5)
+    f0 = draws.tint(0.1, 0.9, 1.5)
     alpha = draws.log(0.01, 0.6)
     return Layered(
         (
-            Ggx(draws.log(0.0003, 0.05), f0, alpha),
-            Ggx(0.0, f0 * draws.log(0.005, 0.5), np.minimum(alpha * draws.log(2.0, 8.0), 1.0)),
+            Lambert(draws.log(0.0003, 0.05)),
+            Student(f0, alpha, draws.log(1.2, 12.0)),
+            Student(f0 * draws.log(0.003, 0.5), np.minimum(alpha * draws.log(2.0, 8.0), 1.0)),
         )
     )
 
 
 def _mirror(draws: Draws) -> Layered:
-    """Return near-mirror foils and platings: a lobe of a tenth of a degree to two, a faint haze."""
-    f0 = draws.tint(0.1, 0.9, 2.0)
+    """Return near-mirror foils and platings: a lobe of a tenth of a degree to two, and haze."""
+    f0 = draws.tint(0.03, 0.9, 2.0)
     alpha = draws.log(0.0015, 0.04)
     return Layered(
         (
-            Ggx(draws.tint(0.0003, 0.1, 2.0), f0, alpha),
-            Ggx(0.0, f0 * draws.log(0.01, 0.5), alpha * draws.log(3.0, 12.0)),
-            Ggx(0.0, f0 * draws.log(0.002, 0.1), draws.log(0.15, 0.6)),
+            CoatedDiffuse(draws.tint(0.0002, 0.1, 2.0)),
+            Student(f0, alpha, draws.log(1.2, 12.0)),
+            Student(f0 * draws.log(0.003, 0.3), alpha * draws.log(3.0, 12.0)),
+            Student(f0 * draws.log(0.002, 0.1), draws.log(0.1, 0.6), draws.log(1.5, 6.0)),
         )
     )
 
@@ -130,7 +133,7 @@ def _flake(draws: Draws) -> Layered:
     ior = draws.linear(1.4, 1.65)
     return Layered(
         (
-            Ggx(0.0, ((ior - 1.0) / (ior + 1.0)) ** 2, draws.log(0.003, 0.2)),
+            Student(_normal(ior), draws.log(0.003, 0.2), draws.log(1.2, 12.0)),
             Flakes(draws.log(0.06, 0.5), draws.tint(0.05, 0.9, 2.0), ior),
             CoatedDiffuse(draws.tint(0.003, 0.4, 3.0), ior),
         )
@@ -143,7 +146,7 @@ def _pearl(draws: Draws) -> Layered:
     extinction = draws.linear(-4.0, 6.0)
     return Layered(
         (
-            Ggx(0.0, ((ior - 1.0) / (ior + 1.0)) ** 2, draws.log(0.003, 0.2)),
+            Student(_normal(ior), draws.log(0.003, 0.2), draws.log(1.2, 12.0)),
             PearlFlakes(
                 draws.log(0.06, 0.5),
                 draws.linear(0.2, 1.0),
@@ -191,7 +194,7 @@ def _retro(draws: Draws) -> Layered:
         (
             RoughDiffuse(draws.tint(0.01, 0.9, 2.0), draws.linear(0.0, 1.0)),
             Retro(draws.tint(0.002, 0.5, 1.5), draws.log(0.02, 0.6)),
-            Ggx(0.0, draws.log(0.005, 0.05), draws.log(0.05, 0.7)),
+            Student(draws.log(0.005, 0.05), draws.log(0.05, 0.7), draws.log(1.2, 6.0)),
         )
     )
 
@@ -201,9 +204,14 @@ def _matte(draws: Draws) -> Layered:
     return Layered(
         (
             RoughDiffuse(draws.tint(0.01, 0.95, 3.0), draws.linear(0.0, 1.0)),
-            Ggx(0.0, draws.log(0.002, 0.06), draws.log(0.2, 1.0)),
+            Student(draws.log(0.002, 0.06), draws.log(0.2, 1.0), draws.log(1.5, 6.0)),
         )
     )
+
+
+def _normal(ior: FloatArray) -> FloatArray:
+    """Return the reflectance of a dielectric at normal incidence."""
+    return np.asarray(((ior - 1.0) / (ior + 1.0)) ** 2)
 
 
 RECIPES = (
