@@ -94,18 +94,23 @@ class Trial:
     known: BoolArray
 
     @classmethod
-    def of(cls, case: RealCase, setting: Setting) -> Trial | None:
-        """Return the trial, or None where the file has too few samples for it."""
+    def of(cls, case: RealCase, setting: Setting, draw: int = 0) -> Trial | None:
+        """Return the trial of one draw, or None where the file has too few samples for it."""
         samples = read_case(case)
         some = np.linspace(0, samples.n_channels - 1, min(BANDS, samples.n_channels))
         samples = samples.select_channels(list(some.round().astype(int)))
-        rows = _split(case, samples, setting)
+        rows = _split(case, samples, setting, draw)
         if rows is None:
             return None
         known = samples.positive[rows]
         logs = np.log(np.where(known, samples.value[rows], 1.0))
         n = setting.samples
         return cls(case.name, setting, n, samples.wi[rows], samples.wo[rows], logs, known)
+
+    @property
+    def laboratory(self) -> str:
+        """Folder of the file."""
+        return self.name.split("/")[0]
 
     def kernels(self) -> list[tuple[FloatArray | float, float]]:
         """Return the residual covariances (rows, n) to choose from, each with its variance."""
@@ -123,9 +128,10 @@ class Trial:
         return kernels
 
 
-def _split(case: RealCase, samples: Samples, setting: Setting) -> FloatArray | None:
+def _split(case: RealCase, samples: Samples, setting: Setting, draw: int) -> FloatArray | None:
     usable = np.flatnonzero(samples.usable.any(axis=1))
-    order = generator(SEED, case.name, str(setting.samples), "population").permutation(usable)
+    key = (case.name, str(setting.samples), "population", str(draw))
+    order = generator(SEED, *key).permutation(usable)
     fitted, others = order[: setting.samples], order[setting.samples :]
     if setting.blind:
         theta_i = np.degrees(np.arccos(np.clip(samples.wi[:, 2], 0.0, 1.0))).round(1)

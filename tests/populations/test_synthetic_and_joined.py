@@ -117,12 +117,20 @@ def test_members_of_networks_count_alike(shared_data: Path) -> None:
     np.testing.assert_allclose(networks.weights, 0.01)
 
 
-def test_members_of_joined_sources_count_as_their_shares_say(toy: Toy) -> None:
-    joined = Joined("both", (toy(), Synthetic(RECIPES[:1])), (3.0, 1.0))
+def test_members_of_joined_sources_count_as_they_are_told(toy: Toy) -> None:
+    family = Synthetic(RECIPES[:1])
+    joined = Joined("both", (toy(), family), np.repeat([2.0, 1.0], [3, len(family.members)]))
     weights = Population.of(joined).weights
-    np.testing.assert_allclose(weights[:3], 0.25)
-    assert weights[3:].sum() == pytest.approx(0.25)
+    np.testing.assert_allclose(weights[:3], 2.0 * weights[-1])
     assert weights.sum() == pytest.approx(1.0)
+
+
+def test_the_families_of_embedded_count_as_their_shares_say() -> None:
+    embedded = population("embedded")
+    kinds = np.array([m if m in SHARES else "published" for m in embedded.materials])
+    for kind, share in SHARES.items():
+        found = embedded.weights[kinds == kind].sum()
+        assert found == pytest.approx(share / sum(SHARES.values()))
 
 
 def test_weights_of_a_selection_keep_their_proportions() -> None:
@@ -135,25 +143,30 @@ def test_weights_of_a_selection_keep_their_proportions() -> None:
 def test_joined_values_are_those_of_the_parts(toy: Toy, random_directions: Draw) -> None:
     wi, wo = random_directions(40)
     family = Synthetic(RECIPES[:1])
-    joined = Population.of(Joined("both", (toy(), family), (1.0, 1.0)))
+    joined = Population.of(Joined("both", (toy(), family), _alike(toy(), family)))
     value = joined.evaluate(wi, wo)
     np.testing.assert_array_equal(value[:, :3], Population.of(toy()).evaluate(wi, wo))
     np.testing.assert_array_equal(value[:, 3:], Population.of(family).evaluate(wi, wo))
     assert all(value[:, :, channel].flags.c_contiguous for channel in range(3))
 
 
-def test_the_fingerprint_of_joined_sources_follows_parts_and_shares(toy: Toy) -> None:
+def test_the_fingerprint_of_joined_sources_follows_parts_and_weights(toy: Toy) -> None:
     family = Synthetic(RECIPES[:1])
+    alike = _alike(toy(), family)
     prints = {
-        Joined("both", parts, shares).fingerprint
-        for parts, shares in (
-            ((toy(), family), (1.0, 1.0)),
-            ((toy(), family), (1.0, 2.0)),
-            ((toy(fingerprint="toy-2"), family), (1.0, 1.0)),
-            ((family, toy()), (1.0, 1.0)),
+        Joined("both", parts, weights).fingerprint
+        for parts, weights in (
+            ((toy(), family), alike),
+            ((toy(), family), alike * np.linspace(1.0, 2.0, alike.size)),
+            ((toy(fingerprint="toy-2"), family), alike),
+            ((family, toy()), alike),
         )
     }
     assert len(prints) == 4
+
+
+def _alike(*parts: Any) -> FloatArray:
+    return np.ones(sum(len(part.members) for part in parts))
 
 
 @dataclass(eq=False)
@@ -166,11 +179,13 @@ class _OneChannel:
 
 def test_sources_that_do_not_go_together_are_refused(toy: Toy) -> None:
     with pytest.raises(PopulationError, match="2 lists of channels"):
-        Joined("odd", (toy(), _OneChannel()), (1.0, 1.0))  # type: ignore[arg-type]
+        Joined("odd", (toy(), _OneChannel()), np.ones(4))  # type: ignore[arg-type]
     with pytest.raises(PopulationError, match="the same name"):
-        Joined("twice", (toy(), toy()), (1.0, 1.0))
-    with pytest.raises(PopulationError, match="above zero"):
-        Joined("nothing", (toy(), Synthetic(RECIPES[:1])), (1.0, 0.0))
+        Joined("twice", (toy(), toy()), np.ones(6))
+    with pytest.raises(PopulationError, match="3 members has one above zero"):
+        Joined("nothing", (toy(),), np.array([1.0, 0.0, 1.0]))
+    with pytest.raises(PopulationError, match=r"shape \(2,\)"):
+        Joined("short", (toy(),), np.ones(2))
 
 
 def test_leaving_out_a_material_of_one_part_keeps_the_others() -> None:
@@ -185,6 +200,26 @@ def test_columns_of_joined_sources_are_their_logarithms(cache: Path) -> None:
     found = columns(some, SMALL)
     expected = some.log_values(*SMALL.directions(found.cells))
     np.testing.assert_array_equal(found.load(1), expected[:, :, 1])
+    index = np.array([5, 400, 3, 5])
+    np.testing.assert_array_equal(found.rows(2, index), expected[index, :, 2])
+
+
+def test_columns_of_joined_sources_are_not_written_twice(cache: Path, toy: Toy) -> None:
+    one, other = toy(), toy(name="other", fingerprint="toy-2", alphas=(0.3,))
+    columns(Population.of(one), SMALL)
+    both = Population.of(Joined("both", (one, other), np.ones(4)))
+    one.asked.clear()
+    assert columns(both, SMALL).load(0).shape[1] == 4
+    assert not one.asked
+    assert other.asked
+
+
+def test_parts_with_other_rows_are_kept_together(cache: Path, toy: Toy) -> None:
+    one, other = toy(), toy(bilateral=False, fingerprint="toy-2", alphas=(0.3,))
+    found = columns(Population.of(Joined("both", (one, other), np.ones(4))), SMALL)
+    expected = found.population.log_values(*SMALL.directions(found.cells))
+    np.testing.assert_array_equal(found.cells, SMALL.cells)
+    np.testing.assert_array_equal(found.load(0), expected[:, :, 0])
 
 
 def test_what_comes_along_is_listed_and_in_order(cache: Path) -> None:

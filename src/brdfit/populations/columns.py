@@ -20,8 +20,8 @@ import numpy as np
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.errors import UsageError
 from brdfit.grid import MERL_GRID, Grid
-from brdfit.populations.building import open_store
 from brdfit.populations.contract import Population
+from brdfit.populations.joined_store import JoinedStore, open_stores
 from brdfit.populations.store import Store, stored_cells
 from brdfit.progress import Progress, silent
 
@@ -39,7 +39,7 @@ class Columns:
 
     population: Population
     grid: Grid
-    store: Store
+    store: Store | JoinedStore
 
     def __len__(self) -> int:
         return int(self.cells.size)
@@ -110,4 +110,4 @@ def columns(population: Population, grid: Grid = MERL_GRID, progress: Progress =
 
     Raises `PopulationError` where the disk has no room for them.
     """
-    return Columns(population, grid, open_store(population.source, grid, progress))
+    return Columns(population, grid, open_stores(population.source, grid, progress))

@@ -5,14 +5,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from functools import lru_cache
+
+import numpy as np
 
 from brdfit.populations.contract import MemberSource
 from brdfit.populations.joined import Joined
 from brdfit.populations.published import published_fits
-from brdfit.populations.recipes import RECIPES
-from brdfit.populations.synthetic import Synthetic, synthetic_materials
+from brdfit.populations.synthetic import synthetic_materials
 
 __all__ = ["COMES_ALONG", "SHARES", "embedded_materials"]
 
@@ -34,9 +36,11 @@ SHARES = {
 @lru_cache(maxsize=1)
 def embedded_materials() -> MemberSource:
     """Return the published fits and the synthetic families, with their shares of the prior."""
-    families = [Synthetic((recipe,)) for recipe in RECIPES if recipe.name in SHARES]
-    shares = [SHARES["published"], *(SHARES[family.recipes[0].name] for family in families)]
-    return Joined("embedded", (published_fits(), *families), tuple(shares))
+    published, synthetic = published_fits(), synthetic_materials()
+    kinds = ["published"] * len(published.members) + list(synthetic.materials)
+    counts = Counter(kinds)
+    weights = np.array([SHARES[kind] / counts[kind] for kind in kinds])
+    return Joined("embedded", (published, synthetic), weights / weights.sum())
 
 
 COMES_ALONG: dict[str, Callable[[], MemberSource]] = {

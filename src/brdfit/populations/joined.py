@@ -1,7 +1,4 @@
-"""Several sources as one population, each with a share of the prior.
-
-Within a source members count alike, or as its own weights say.
-"""
+"""Several sources as one population, each member with a weight."""
 
 from __future__ import annotations
 
@@ -11,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from brdfit.arrays import FloatArray, IntArray
+from brdfit.arrays import FloatArray, IntArray, frozen
 from brdfit.errors import PopulationError
 from brdfit.files import sha256_of_bytes
-from brdfit.populations.contract import MemberSource, member_values, source_weights
+from brdfit.populations.contract import MemberSource, member_values
 
 __all__ = ["Joined"]
 
@@ -23,30 +20,35 @@ __all__ = ["Joined"]
 class Joined:
     """A `MemberSource` (and `WeightedSource`) over the members of its parts, in their order.
 
-    Raises `PopulationError` where channels differ, a member has a name twice, or a share is
-    not above zero.
+    Raises `PopulationError` where channels differ, a member has a name twice, or weights are
+    not one above zero for each member.
     """
 
     name: str
     parts: tuple[MemberSource, ...]
-    shares: tuple[float, ...]
-    """What each part counts, all its members together; parallel to `parts`, any unit."""
+    prior_weights: FloatArray
+    """What each member counts, (members,), above zero."""
 
     def __post_init__(self) -> None:
         channels = {part.channels for part in self.parts}
-        if len(channels) != 1 or len(self.shares) != len(self.parts):
+        if len(channels) != 1:
             raise PopulationError(
                 f"population {self.name!r}: found {len(self.parts)} parts with {len(channels)} "
-                f"lists of channels and {len(self.shares)} shares, but parts have the same "
-                f"channels and a share each."
+                f"lists of channels, but the parts of a population have the same."
             )
-        if not all(np.isfinite(share) and share > 0.0 for share in self.shares):
+        weights = frozen(self.prior_weights, np.float64)
+        if (
+            weights.shape != (len(self.members),)
+            or not (np.isfinite(weights) & (weights > 0)).all()
+        ):
             raise PopulationError(
-                f"population {self.name!r}: found shares {self.shares} but each is above zero; "
-                f"leave out the part that shall not count."
+                f"population {self.name!r}: found weights of shape {weights.shape}, the smallest "
+                f"{np.min(weights):g}, but each of the {len(self.members)} members has one above "
+                f"zero; leave out what shall not count."
             )
         if len(set(self.members)) != len(self.members):
             raise PopulationError(f"population {self.name!r}: two members have the same name.")
+        object.__setattr__(self, "prior_weights", weights)
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -69,20 +71,9 @@ class Joined:
         return tuple(material for part in self.parts for material in part.materials)
 
     @cached_property
-    def prior_weights(self) -> FloatArray:
-        """What each member counts, (members,), above zero, sum 1."""
-        total = sum(self.shares)
-        return np.concatenate(
-            [
-                source_weights(part) * (share / total)
-                for part, share in zip(self.parts, self.shares, strict=True)
-            ]
-        )
-
-    @cached_property
     def fingerprint(self) -> str:
-        """SHA-256 of the fingerprints of the parts and of their shares, in order."""
-        facts = [[part.fingerprint for part in self.parts], self.shares]
+        """SHA-256 of the fingerprints of the parts, in order, and of the weights."""
+        facts = [[part.fingerprint for part in self.parts], self.prior_weights.tolist()]
         return sha256_of_bytes(json.dumps(facts).encode())
 
     def evaluate(self, wi: FloatArray, wo: FloatArray, pick: IntArray) -> FloatArray:

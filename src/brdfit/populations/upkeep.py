@@ -17,8 +17,9 @@ from brdfit.populations.contract import MemberSource
 from brdfit.populations.embedded import COMES_ALONG
 from brdfit.populations.fetch import fetched_path
 from brdfit.populations.front import population
+from brdfit.populations.joined_store import stores_of
 from brdfit.populations.known import KNOWN
-from brdfit.populations.store import MANIFEST, Store, columns_folder, intact
+from brdfit.populations.store import MANIFEST, columns_folder, intact
 from brdfit.progress import Progress, silent
 
 __all__ = [
@@ -105,7 +106,7 @@ def _info(name: str) -> PopulationInfo:
         terms=known.terms,
         page=known.page,
         available=source is not None,
-        built=source is not None and intact(Store(source, MERL_GRID)),
+        built=source is not None and all(map(intact, stores_of(source, MERL_GRID))),
         advice=advice,
     )
 
@@ -179,10 +180,10 @@ def _check_archive(name: str, path: Path) -> tuple[list[Finding], MemberSource |
 
 
 def _check_columns(source: MemberSource) -> Finding:
-    store = Store(source, MERL_GRID)
-    if not (store.folder / MANIFEST).is_file():
+    stores = stores_of(source, MERL_GRID)
+    if not all((store.folder / MANIFEST).is_file() for store in stores):
         return Finding("cached columns", "absent", "not built yet; built when needed", True)
-    if intact(store, thorough=True):
+    if all(intact(store, thorough=True) for store in stores):
         return Finding("cached columns", "ok", "every checksum is right", True)
     return Finding("cached columns", "damaged", "they will be built again when needed", False)
 
