@@ -2,7 +2,7 @@
 
     python benchmarks/population_shares.py --data DIR [-o RESULT.json]
 
-One family after the other has its share tripled, cut to a third, or taken away, and the change
+One family after the other has its share tripled or cut to a third, down to LEAST, and the change
 is kept where the error falls by more than WORTH: the geometric mean, over settings, files and
 draws of the samples, of the mean |delta ln f| of held-out samples (see `log_gaussian`). The k
 files of a laboratory count sqrt(k) together: thirty of one instrument are not thirty opinions.
@@ -33,7 +33,9 @@ SETTINGS = (
     Setting(100, residual=True, blind=True),
 )
 START = 0.1
-FACTORS = (3.0, 1.0 / 3.0, 0.0)
+FACTORS = (3.0, 1.0 / 3.0)
+# What is not among the files for choosing stays possible.
+LEAST = 0.01
 WORTH = 2e-3
 ROUNDS = 5
 DRAWS = 3
@@ -115,7 +117,7 @@ def search(
         for k in range(1, len(names)):
             tried = {}
             for factor in FACTORS:
-                changed = [*shares[:k], (shares[k] or START / 3.0) * factor, *shares[k + 1 :]]
+                changed = [*shares[:k], max(shares[k] * factor, LEAST), *shares[k + 1 :]]
                 tried[factor] = (objective(changed), changed)
             error, changed = min(tried.values(), key=lambda item: item[0])
             if error < best * (1.0 - WORTH):

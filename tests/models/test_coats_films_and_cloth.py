@@ -19,6 +19,7 @@ from brdfit.models import (
     Ggx,
     Lambert,
     Layered,
+    Particulate,
     PearlFlakes,
     Retro,
     RoughDiffuse,
@@ -68,6 +69,7 @@ def test_a_coat_of_air_is_no_coat(random_directions: Draw) -> None:
         ThinFilm([0.05, 0.3, 1.0], 300.0, 545.0, 1.8, 1.0, 5.0),
         Retro(1.0, [0.15, 0.3, 1.0]),
         Sheen(0.8, [0.1, 0.3, 1.0]),
+        Particulate([0.3, 0.9, 0.99], [0.0, -0.3, 0.4]),
         Student(1.0, [0.05, 0.2, 0.3], [2.0, 3.0, 50.0]),
     ],
     ids=lambda model: type(model).__name__,
@@ -208,3 +210,28 @@ def test_a_lobe_without_tail_is_beckmann_in_the_half_angle() -> None:
 def test_a_tail_that_holds_too_much_light_is_refused() -> None:
     with pytest.raises(UsageError, match="tail is 1 but"):
         Student(0.5, 0.1, 1.0)
+
+
+def test_particles_shine_back_or_forth_as_their_asymmetry_says() -> None:
+    wi, back, forth = directions_from_spherical(np.radians([60.0, 60.0, 60.0]), [0.0, 0.0, np.pi])
+    wi, wo = np.stack([wi, wi]), np.stack([back, forth])
+    for asymmetry, brighter in ((-0.4, 0), (0.4, 1)):
+        assert np.argmax(Particulate(0.5, asymmetry).evaluate(wi, wo)) == brighter
+
+
+def test_an_opposition_surge_doubles_what_comes_back_at_most() -> None:
+    up = np.array([[0.0, 0.0, 1.0]])
+    # dark particles: what is scattered more than once does not count
+    plain, surging = (Particulate(1e-6, 0.0, surge).evaluate(up, up) for surge in (0.0, 1.0))
+    assert surging[0, 0] == pytest.approx(2.0 * plain[0, 0], rel=1e-5)
+
+
+def test_dark_particles_are_lommel_and_seeligers_law(random_directions: Draw) -> None:
+    wi, wo = random_directions(50)
+    expected = 1e-6 / (4.0 * np.pi) / (wi[:, 2] + wo[:, 2])
+    np.testing.assert_allclose(Particulate(1e-6).evaluate(wi, wo)[:, 0], expected, rtol=1e-5)
+
+
+def test_particles_that_only_scatter_forward_are_refused() -> None:
+    with pytest.raises(UsageError, match="asymmetry up to 1"):
+        Particulate(0.5, 1.0)

@@ -20,6 +20,7 @@ from brdfit.models import (
     Ggx,
     Lambert,
     Layered,
+    Particulate,
     PearlFlakes,
     Retro,
     RoughDiffuse,
@@ -55,6 +56,7 @@ MODELS: dict[str, Any] = {
     "flakes": Flakes([0.05, 0.2, 0.6], [0.9, 0.4, 0.02], ior=1.5),
     "pearl_flakes": PearlFlakes(0.2, 0.5, 110.0, [610.0, 545.0, 455.0], extinction=[0.0, 1.0, 6.0]),
     "retro": Retro([0.9, 0.2, 0.05], [0.02, 0.1, 0.6]),
+    "particulate": Particulate([0.99, 0.5, 0.05], [-0.5, 0.0, 0.6], [1.0, 0.0, 0.5], 0.05),
     "rough_diffuse": RoughDiffuse([0.9, 0.3, 0.02], [0.0, 0.5, 1.0]),
     "student": Layered(
         (Student([0.9, 0.3, 0.04], [0.004, 0.1, 0.6], [1.2, 3.0, 40.0]), Lambert(0.01))

@@ -14,6 +14,7 @@ from brdfit.models.coated import CoatedDiffuse, Flakes, PearlFlakes
 from brdfit.models.ggx import Ggx
 from brdfit.models.lambert import Lambert
 from brdfit.models.layered import Layered
+from brdfit.models.particulate import Particulate
 from brdfit.models.retro import Retro
 from brdfit.models.rough_diffuse import RoughDiffuse
 from brdfit.models.sheen import Sheen
@@ -31,6 +32,7 @@ __all__ = [
     "Lambert",
     "Layered",
     "PairAngles",
+    "Particulate",
     "PearlFlakes",
     "Retro",
     "RoughDiffuse",

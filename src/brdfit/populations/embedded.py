@@ -27,6 +27,7 @@ SHARES = {
     "pearl": 0.1,
     "iridescent": 0.1,
     "cloth": 0.1,
+    "powder": 0.1,
     "retro": 0.1,
     "matte": 0.1,
 }

@@ -22,6 +22,7 @@ from brdfit.models import (
     Ggx,
     Lambert,
     Layered,
+    Particulate,
     PearlFlakes,
     Retro,
     RoughDiffuse,
@@ -188,6 +189,21 @@ def _cloth(draws: Draws) -> Layered:
     )
 
 
+def _powder(draws: Draws) -> Layered:
+    """Return powder, dust, earth: particles that scatter forth or back, and shadow each other."""
+    return Layered(
+        (
+            Particulate(
+                draws.tint(0.1, 0.98, 1.3),
+                draws.linear(-0.5, 0.5),
+                draws.linear(0.0, 1.0),
+                draws.log(0.02, 0.5),
+            ),
+            Student(draws.log(0.0005, 0.04), draws.log(0.2, 1.0), draws.log(1.5, 6.0)),
+        )
+    )
+
+
 def _retro(draws: Draws) -> Layered:
     """Return matter that shines back at the light, strongly (beads) or slightly (backscatter)."""
     return Layered(
@@ -222,6 +238,7 @@ RECIPES = (
     Recipe("pearl", 20, _pearl),
     Recipe("iridescent", 20, _iridescent),
     Recipe("cloth", 20, _cloth),
+    Recipe("powder", 20, _powder),
     Recipe("retro", 20, _retro),
     Recipe("matte", 20, _matte),
 )
