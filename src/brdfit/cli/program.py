@@ -37,6 +37,7 @@ COMMANDS = {
     "fit": "Fit measurements: write the complete BRDF, a picture, a record and the samples.",
     "info": "Say what is in a file of measurements or a table.",
     "convert": "Read a file in one format, write it in another.",
+    "export": "Fit the material parameters of a renderer to a table (MaterialX, glTF).",
     "repair": "Put right what physics forbids in a file, and list every change.",
     "evaluate": "Evaluate a table at directions of your own.",
     "compare": "Say how far one BRDF is from another.",
