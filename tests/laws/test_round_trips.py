@@ -105,23 +105,36 @@ def assert_same_function(back: Table, table: Table, sheet: FormatSheet) -> None:
         assert_close(back.values[shared], spread(table.values[shared], back), sheet.precision)
         return
     wi, wo = upper_pairs()
-    assert_close(back.evaluate(wi, wo), spread(table.evaluate(wi, wo), back), sheet.precision)
+    assert_values(back.evaluate(wi, wo), wi, wo, back, table, sheet)
 
 
 def assert_samples_of(back: Samples, table: Table, sheet: FormatSheet) -> None:
     """A table read back as samples: each is the table's value at its directions."""
     usable = back.usable.all(axis=1)
     assert usable.sum() >= 20
-    expected = spread(table.evaluate(back.wi[usable], back.wo[usable]), back)
+    wi, wo = back.wi[usable], back.wo[usable]
+    assert_values(back.value[usable], wi, wo, back, table, sheet)
+
+
+def assert_values(
+    got: np.ndarray,
+    wi: np.ndarray,
+    wo: np.ndarray,
+    back: Samples | Table,
+    table: Table,
+    sheet: FormatSheet,
+) -> None:
+    """What came back is the table's value at the same directions."""
+    expected = spread(table.evaluate(wi, wo), back)
     if not sheet.averages:
-        assert_close(back.value[usable], expected, sheet.precision)
+        assert_close(got, expected, sheet.precision)
         return
-    mirrored = spread(table.evaluate(back.wi[usable] * MIRROR, back.wo[usable] * MIRROR), back)
-    off = np.abs(back.value[usable] / expected - 1.0)
+    mirrored = spread(table.evaluate(wi * MIRROR, wo * MIRROR), back)
+    off = np.abs(got / expected - 1.0)
     assert (np.median(off, axis=0) < sheet.precision).all()
     assert (np.percentile(off, 95, axis=0) < 5.0 * sheet.precision).all()
     # the mirror image of the material would be noticed
-    assert (np.abs(back.value[usable] / mirrored - 1.0).mean(axis=0) > 5.0 * off.mean(axis=0)).all()
+    assert (np.abs(got / mirrored - 1.0).mean(axis=0) > 5.0 * off.mean(axis=0)).all()
 
 
 def spread(values: np.ndarray, back: Samples | Table) -> np.ndarray:

@@ -55,7 +55,7 @@ class FormatSheet:
     """Largest relative error of a value that is written and read back, at directions that the
     file holds; 0 = every bit."""
     averages: bool = False
-    """A written value is a mean over a patch of directions: `precision` is then that of the
-    median value of a smooth material."""
+    """A written value is a mean over a patch of directions, or is found between nodes of the
+    format's own: `precision` is then that of the median value of a smooth material."""
     competes_for: tuple[str, ...] = ()
     """Other formats that use the same suffix, so that errors can name them."""

@@ -37,6 +37,12 @@ def _read_table(path: Path, *, half: bool = False, extrapolate: bool = False) ->
     return read_table(path, extrapolate=extrapolate)
 
 
+def _write_table(table: Table, path: Path) -> None:
+    from brdfit.formats.rgl.write import write_table
+
+    write_table(table, path)
+
+
 SHEET = FormatSheet(
     name="rgl",
     title="RGL material database, isotropic (.bsdf tensor file)",
@@ -49,6 +55,15 @@ SHEET = FormatSheet(
     sniff=_sniff,
     read_samples=_read_samples,
     read_table=_read_table,
+    write_table=_write_table,
     options=("half", "extrapolate"),
+    loses=(
+        "the grid (values at 12 to 64 incidences and 24 x 24 to 160 x 160 nodes for each, which "
+        "lie where the material changes; the coarsest that is within 1 % of the table in the mean), "
+        "digits after the seventh, the difference between one channel and three equal ones, and "
+        "which cells are missing"
+    ),
+    precision=0.01,
+    averages=True,
     competes_for=("Zemax BSDF (text)", "LightTools BSDF (text)"),
 )

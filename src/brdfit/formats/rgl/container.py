@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +26,7 @@ import numpy.typing as npt
 
 from brdfit.errors import CorruptFile
 
-__all__ = ["MAGIC", "read_fields"]
+__all__ = ["MAGIC", "read_fields", "written_fields"]
 
 MAGIC = b"tensor_file\0"
 
@@ -88,6 +89,25 @@ def read_fields(content: bytes, name: str) -> dict[str, npt.NDArray[Any]]:
         )
     entries = [cursor.entry(index) for index in range(count)]
     return _arrays(content, entries, cursor.position, name)
+
+
+def written_fields(fields: Mapping[str, npt.NDArray[Any]]) -> bytes:
+    """Return the whole file that holds `fields`, in their order; `read_fields` undoes it."""
+    codes = {np.dtype(kind): code for code, kind in _TYPES.items()}
+    entries = {name: name.encode("utf-8") for name in fields}
+    header_end = len(MAGIC) + struct.calcsize("<2BI")
+    for name, raw in entries.items():
+        header_end += _SMALLEST_ENTRY + len(raw) + 8 * fields[name].ndim
+    header = bytearray(MAGIC + struct.pack("<2BI", *_VERSION, len(fields)))
+    data = bytearray()
+    for name, raw in entries.items():
+        array = np.ascontiguousarray(fields[name])
+        little = array.astype(array.dtype.newbyteorder("<"), copy=False)
+        header += struct.pack("<H", len(raw)) + raw
+        header += struct.pack("<HBQ", array.ndim, codes[little.dtype], header_end + len(data))
+        header += struct.pack(f"<{array.ndim}Q", *array.shape)
+        data += little.tobytes()
+    return bytes(header + data)
 
 
 def _arrays(

@@ -30,9 +30,10 @@ import numpy.typing as npt
 
 from brdfit.arrays import BoolArray, FloatArray
 from brdfit.errors import CorruptFile, FormatError
-from brdfit.formats.rgl.container import read_fields
+from brdfit.formats.rgl.container import read_fields, written_fields
+from brdfit.tone import LUMINANCE
 
-__all__ = ["Measurement", "measurement_from_bytes"]
+__all__ = ["Measurement", "measurement_from_bytes", "measurement_to_bytes"]
 
 _HORIZON_TOLERANCE = 1e-3
 # Along one axis; a damaged shape must not make an outer product of two long axes.
@@ -85,6 +86,38 @@ def measurement_from_bytes(content: bytes, name: str) -> Measurement:
         bits=_bits(fields, values.shape[:3]),
         description=_text(fields.optional("description")),
     )
+
+
+def measurement_to_bytes(measurement: Measurement) -> bytes:
+    """Return the whole file; `measurement_from_bytes` reads it back, in float32.
+
+    `luminance`, by which renderers draw directions, is the mean of what is above zero in the
+    channels, weighted as linear sRGB is where there are no wavelengths.
+    """
+    m = measurement
+    spectral = m.wavelengths is not None
+    weight = np.full(m.values.shape[3], 1.0 / m.values.shape[3]) if spectral else LUMINANCE
+    luminance = np.maximum(m.values, 0.0) @ np.asarray(weight)
+    # by a density that is zero everywhere nothing can be drawn
+    luminance[luminance.sum(axis=(1, 2)) <= 0.0] = 1.0
+    planes = m.values.transpose(0, 3, 1, 2)
+    fields: dict[str, npt.NDArray[Any]] = {
+        "description": np.frombuffer((m.description or " ").encode("utf-8"), np.uint8),
+        "phi_i": np.zeros(1),
+        "theta_i": m.theta_i,
+        "sigma": m.sigma,
+        "ndf": m.ndf,
+        "vndf": m.vndf[None],
+        "luminance": luminance[None],
+        "spectra" if spectral else "rgb": planes[None],
+        "jacobian": np.array([m.jacobian], np.uint8),
+    }
+    if m.wavelengths is not None:
+        fields["wavelengths"] = m.wavelengths
+    if m.bits is not None:
+        fields["valid"] = np.packbits(m.bits)
+    single = {k: a.astype(np.float32) if a.dtype.kind == "f" else a for k, a in fields.items()}
+    return written_fields(single)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,8 @@ __all__ = ["read_samples", "read_table"]
 _GRAZING = 1e-3
 # The two halves of a measurement are one another's mirror image if that close.
 _MIRRORED = 1e-2
+# Closer to the horizon than 3 degrees f_r cos(theta_o) says nothing of f_r.
+_LOWEST = np.sin(np.deg2rad(3.0))
 _BLOCK = 1 << 17
 _MOST_TABLE_BYTES = 1 << 30
 
@@ -72,6 +74,10 @@ def read_table(path: Path, *, extrapolate: bool = False) -> Table:
     With `extrapolate=True` they hold what the authors' evaluator gives there, which
     keeps the last measured node values.
 
+    The file holds f_r cos(theta_o) at nodes of which some are above the horizon and some below;
+    it is not 0 at the horizon, and divided by the cosine it would grow without bound. Closer
+    than 3 degrees to the horizon a cell therefore holds what is found 3 degrees above it.
+
     Values can be slightly negative (linear sRGB of a dark or saturated colour).
     """
     content = path.read_bytes()
@@ -95,6 +101,7 @@ def read_table(path: Path, *, extrapolate: bool = False) -> Table:
         valid[cells] = measured | extrapolate
     values.flags.writeable = False
     notes = _notes(measurement, measurement.theta_i > np.pi / 2 - _GRAZING)
+    notes.append("within 3 degrees of the horizon values are those 3 degrees above it")
     beyond = int(np.count_nonzero(~valid[MERL_GRID.cells]))
     if beyond:
         notes.append(
@@ -117,9 +124,16 @@ def _reciprocal(
     forward, backward = wi[:, 2] >= limit, wo[:, 2] >= limit
     neither = ~(forward | backward)
     share = np.where(forward | neither, 1.0, 0.0), np.where(backward | neither, 1.0, 0.0)
-    total = share[0][:, None] * parameterisation.evaluate(wi, wo)
-    total += share[1][:, None] * parameterisation.evaluate(wo, wi)
+    total = share[0][:, None] * parameterisation.evaluate(wi, _raised(wo))
+    total += share[1][:, None] * parameterisation.evaluate(wo, _raised(wi))
     return total / (share[0] + share[1])[:, None], ~neither
+
+
+def _raised(w: FloatArray) -> FloatArray:
+    """Return directions (n, 3), those close to the horizon lifted off it, azimuth kept."""
+    z = np.maximum(w[:, 2], _LOWEST)
+    flat = np.sqrt((1.0 - z * z) / np.maximum(1.0 - w[:, 2] ** 2, 1e-12))
+    return np.column_stack([w[:, :2] * np.where(z > w[:, 2], flat, 1.0)[:, None], z])
 
 
 def _last_measured(measurement: Measurement) -> float:
