@@ -19,7 +19,10 @@ const HERE = dirname(fileURLToPath(import.meta.url));
 const PACKAGE = resolve(HERE, "../src/brdfit");
 
 // entry (a script or a style sheet, or a file that is copied as it is) -> where it goes
-const BUNDLES = [];
+const BUNDLES = [
+  { entry: "src/report/report.ts", out: "report/static/report.js" },
+  { entry: "src/report/report.css", out: "report/static/report.css" },
+];
 
 // What changes every bundle.
 const TOOLS = ["build.mjs", "package-lock.json"];

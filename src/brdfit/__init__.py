@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from brdfit.reconstruct import Reconstruction as Reconstruction
     from brdfit.reconstruct import Tabulated as Tabulated
     from brdfit.reconstruct import fit as fit
+    from brdfit.report.page import write_report as write_report
     from brdfit.samples import Samples as Samples
     from brdfit.table import Table as Table
 
@@ -55,6 +56,7 @@ _HOME = {
     "population": "populations",
     "read_samples": "formats",
     "read_table": "formats",
+    "write_report": "report.page",
     "write_samples": "formats",
     "write_table": "formats",
 }

@@ -41,6 +41,7 @@ COMMANDS = {
     "repair": "Put right what physics forbids in a file, and list every change.",
     "evaluate": "Evaluate a table at directions of your own.",
     "compare": "Say how far one BRDF is from another.",
+    "report": "Write one HTML file that shows and explains a fit, to look at or to archive.",
     "render": "Render a table as a sphere, without an external renderer.",
     "basis": "List, build, check or fetch what a fit may lean on.",
     "bench": "Run a benchmark and write its results.",

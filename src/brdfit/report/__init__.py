@@ -7,6 +7,9 @@
     slice_panel   one slice with its band and the samples nearby, for an interactive plot
     coverage      where the samples lie
     compare       one BRDF against another under every metric
+    fitted        a finished fit as it can be told of; fit_files finds its files again
+    uncertainty   how sure the method is, small enough for the record
+    page          the report: one HTML file
     rgb           a table of any channels as R, G, B, and what that cost
     demo_input    measurements for the demonstration
 

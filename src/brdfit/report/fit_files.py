@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from brdfit.errors import CorruptFile, UsageError
-from brdfit.files import sha256_of_file
 from brdfit.formats import read_table
 from brdfit.report.fitted import SCHEMA, Fitted, UsedFile, agreement
 from brdfit.report.samples_csv import read_samples_csv
 from brdfit.report.uncertainty import Uncertainty
+from brdfit.table import Table
 
 __all__ = ["FitFiles", "read_fit"]
 
@@ -59,13 +59,13 @@ class FitFiles:
         return cls(table, record, _samples_beside(table, record))
 
 
-def read_fit(files: FitFiles, **options: Any) -> Fitted:
-    """Read the files of a fit; `options` are those of the table's reader.
+def read_fit(files: FitFiles, table: Table | None = None) -> Fitted:
+    """Read the files of a fit; `table` is that of `files.table`, where it was read already.
 
     What is missing, or does not fit together, is said in `notes`. Raises `FormatError` for a
     file that is damaged.
     """
-    table = read_table(files.table, **options)
+    table = read_table(files.table) if table is None else table
     record = _content(files.record) if files.record is not None else None
     judged = None if files.samples is None else read_samples_csv(files.samples)
     stated = (record or {}).get("uncertainty")
@@ -193,8 +193,4 @@ def _used(files: FitFiles) -> list[UsedFile]:
         "record of the fit": files.record,
         "samples of the fit": files.samples,
     }
-    return [
-        UsedFile(role, path.name, sha256_of_file(path), path.stat().st_size)
-        for role, path in roles.items()
-        if path is not None
-    ]
+    return [UsedFile.of(role, path) for role, path in roles.items() if path is not None]

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from brdfit.files import sha256_of_file
 from brdfit.grid import MERL_GRID
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.result import Reconstruction
@@ -31,8 +33,14 @@ class UsedFile:
     name: str
     """Without folders."""
     sha256: str
-    size: int
-    """Bytes."""
+    """Empty where it did not come from a file."""
+    size: int | None = None
+    """Bytes; None where it is not known."""
+
+    @classmethod
+    def of(cls, role: str, path: Path) -> UsedFile:
+        """Return the file at `path` with its hash."""
+        return cls(role, path.name, sha256_of_file(path), path.stat().st_size)
 
 
 @dataclass(frozen=True, eq=False)

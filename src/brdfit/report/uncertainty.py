@@ -21,10 +21,7 @@ from brdfit.progress import Progress, silent
 from brdfit.reconstruct.result import Reconstruction
 from brdfit.table import Table
 
-__all__ = ["BAND", "Uncertainty"]
-
-BAND = 1.96
-"""Standard deviations on either side within which 95 % of a normal distribution lie."""
+__all__ = ["Uncertainty"]
 
 _NODES = Grid(30, 30, 12)
 _CHUNK = 2_000
