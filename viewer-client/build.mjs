@@ -22,6 +22,9 @@ const PACKAGE = resolve(HERE, "../src/brdfit");
 const BUNDLES = [
   { entry: "src/report/report.ts", out: "report/static/report.js" },
   { entry: "src/report/report.css", out: "report/static/report.css" },
+  { entry: "src/viewer/main.ts", out: "viewer/static/viewer.js" },
+  { entry: "src/viewer/viewer.css", out: "viewer/static/viewer.css" },
+  { entry: "src/viewer/index.html", out: "viewer/static/index.html" },
 ];
 
 // What changes every bundle.

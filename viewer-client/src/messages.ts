@@ -60,6 +60,8 @@ export interface SamplesSummary {
   flags: Record<string, number>;
   source: string;
   convention: string;
+  /** Angles of the light, degrees, at which the most samples lie in one plane. */
+  incidences: number[];
 }
 
 /** How an entry was fitted. */
@@ -93,9 +95,6 @@ export interface Entry {
   conversion: string;
   /** Cells that hold nothing and are shown as their nearest neighbour. */
   missing: number;
-  albedo_cosine: number[];
-  /** Directional albedo in R, G, B at `albedo_cosine`: what an even surround adds. */
-  albedo: number[][];
   samples: SamplesSummary | null;
   fit: FitSummary | null;
   warnings: string[];
@@ -104,9 +103,18 @@ export interface Entry {
   parent: string | null;
 }
 
+/** What an even surround adds: directional albedo in R, G, B against cos theta_o. */
+export interface Albedo {
+  cosine: number[];
+  value: number[][];
+}
+
 /** The samples as columns of equal length, for the two maps. */
 export interface SampleColumns {
+  /** Index, from 0. */
   sample: number[];
+  /** Line or record of the source, from 1. */
+  row: number[];
   theta_h: (number | null)[];
   theta_d: (number | null)[];
   phi_d: (number | null)[];
@@ -260,6 +268,8 @@ export interface FitRequest {
   rejected?: number[];
   /** Samples, by index, to switch on again. */
   accepted?: number[];
+  /** Show the result beside the entry, not in its place. */
+  beside?: boolean;
 }
 
 /** A fit that waits, runs, or has ended. */

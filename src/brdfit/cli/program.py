@@ -43,6 +43,7 @@ COMMANDS = {
     "compare": "Say how far one BRDF is from another.",
     "report": "Write one HTML file that shows and explains a fit, to look at or to archive.",
     "render": "Render a table as a sphere, without an external renderer.",
+    "view": "Look at tables, fits and measurements in the browser.",
     "basis": "List, build, check or fetch what a fit may lean on.",
     "bench": "Run a benchmark and write its results.",
     "demo": "Make demonstration measurements and run the main job on them.",

@@ -20,6 +20,7 @@ from brdfit.render.illumination import (
     point,
     studio,
 )
+from brdfit.render.panorama import panorama_lights
 from brdfit.render.plan import SpherePlan
 from brdfit.render.slices import IncidenceSlices, half_difference_image, incidence_slices
 from brdfit.render.spectral import (
@@ -45,6 +46,7 @@ __all__ = [
     "display_matrix",
     "half_difference_image",
     "incidence_slices",
+    "panorama_lights",
     "point",
     "rgb_matrix",
     "shows_colour",

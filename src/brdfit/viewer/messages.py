@@ -86,6 +86,8 @@ class SamplesSummary:
     flags: dict[str, int]
     source: str
     convention: str
+    incidences: list[float]
+    """Angles of the light, degrees, at which the most samples lie in one plane."""
 
 
 @dataclass(frozen=True)
@@ -123,9 +125,6 @@ class Entry:
     """How the table became R, G, B; empty if it was."""
     missing: int
     """Cells that hold nothing and are shown as their nearest neighbour."""
-    albedo_cosine: list[float]
-    albedo: list[list[float]]
-    """Directional albedo in R, G, B at `albedo_cosine`: what an even surround adds."""
     samples: SamplesSummary | None
     fit: FitSummary | None
     warnings: list[str]
@@ -135,10 +134,21 @@ class Entry:
 
 
 @dataclass(frozen=True)
+class Albedo:
+    """What an even surround adds: directional albedo in R, G, B against cos theta_o."""
+
+    cosine: list[float]
+    value: list[list[float]]
+
+
+@dataclass(frozen=True)
 class SampleColumns:
     """The samples as columns of equal length, for the two maps."""
 
     sample: list[int]
+    """Index, from 0."""
+    row: list[int]
+    """Line or record of the source, from 1."""
     theta_h: list[float | None]
     theta_d: list[float | None]
     phi_d: list[float | None]
@@ -269,6 +279,8 @@ class FitRequest:
     """Samples, by index, to switch off."""
     accepted: list[int] = field(default_factory=list)
     """Samples, by index, to switch on again."""
+    beside: bool = False
+    """Show the result beside the entry, not in its place."""
 
 
 @dataclass(frozen=True)
@@ -307,6 +319,7 @@ MESSAGES: tuple[type, ...] = (
     SamplesSummary,
     FitSummary,
     Entry,
+    Albedo,
     SampleColumns,
     ChannelDetail,
     SampleDetail,

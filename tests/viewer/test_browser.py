@@ -1,0 +1,259 @@
+"""The page in a real browser, from the file to the pixels.
+
+Runs where Chromium and playwright are installed (`apt-get install chromium`, extra `dev`).
+The real measurements come from the shared data; what needs them skips without.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import brdfit
+from brdfit.arrays import FloatArray
+from brdfit.metrics.ciede2000 import lab_from_linear
+from brdfit.reconstruct import Reconstruction
+from brdfit.render import Sphere, area_studio, point, studio
+from brdfit.report.compare import compare
+from brdfit.report.rgb import rgb_table
+from brdfit.tone import colour_library, exposure_scale, srgb_decode
+from brdfit.viewer.serve import Server
+from brdfit.viewer.workbench import Workbench
+from chromium import Tab, chromium_path, launched
+
+pytest.importorskip("playwright", reason="the browser tests need playwright (extra dev)")
+pytestmark = pytest.mark.skipif(
+    chromium_path() is None, reason="no Chromium: apt-get install chromium, or BRDFIT_CHROMIUM=PATH"
+)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """Return a browser for all tests of this module."""
+    path = chromium_path()
+    assert path is not None
+    with launched(path) as one:
+        yield one
+
+
+@pytest.fixture
+def open_tab(browser: Any, server: Server) -> Iterator[Any]:
+    """Return a function that opens the page in a tab of its own.
+
+    At the end none may have met an error, or asked anybody but the server.
+    """
+    tabs: list[Tab] = []
+
+    def call(**context: Any) -> Tab:
+        tabs.append(Tab(browser, server.url, **context))
+        return tabs[-1]
+
+    yield call
+    for tab in tabs:
+        tab.close()
+    assert [error for tab in tabs for error in tab.errors] == []
+    strangers = [url for tab in tabs for url in tab.asked if not url.startswith(server.url)]
+    assert [url for url in strangers if not url.startswith(("data:", "blob:"))] == []
+
+
+def picture(tab: Tab) -> tuple[FloatArray, dict[str, int]]:
+    """Return (the canvas as shown (height, width, 3), its first cell)."""
+    from matplotlib.image import imread
+
+    canvas = tab.page.locator("#stage canvas")
+    shot = imread(io.BytesIO(canvas.screenshot()))[..., :3]
+    cell = json.loads(canvas.get_attribute("data-cells"))[0]
+    return np.asarray(shot, dtype=np.float64), cell
+
+
+def sphere_of(tab: Tab) -> FloatArray:
+    """Return the pixels that `brdfit.render.Sphere(2 radius)` would have."""
+    shot, cell = picture(tab)
+    radius = cell["radius"]
+    # rows count from the top here, cells from the bottom there
+    middle_row = shot.shape[0] - (cell["y"] + cell["centreY"])
+    middle_column = cell["x"] + cell["centreX"]
+    return shot[
+        middle_row - radius : middle_row + radius, middle_column - radius : middle_column + radius
+    ]
+
+
+def shown_difference(shown: FloatArray, linear: FloatArray, sphere: Sphere) -> float:
+    """Return the mean CIEDE2000 of the middle of the sphere, as shown and as rendered."""
+    scale = exposure_scale(linear, sphere.mask)
+    step = (np.arange(sphere.size) + 0.5) / sphere.size * 2.0 - 1.0
+    middle = np.hypot(*np.meshgrid(step, step)) < 0.9
+    lab = [lab_from_linear(image[middle]) for image in (srgb_decode(shown), linear * scale)]
+    return float(np.mean(colour_library().difference.delta_E_CIE2000(*lab)))
+
+
+@pytest.fixture(scope="module")
+def real_fit(request: pytest.FixtureRequest) -> Reconstruction:
+    """Return the fit of a real paint of 31 bands."""
+    path = request.getfixturevalue("shared_data") / "cornell" / "krylon_blue.astm"
+    return brdfit.fit(brdfit.read_samples(path), method=brdfit.LocalBasis())
+
+
+@pytest.mark.parametrize("light", ["studio", "point", "area_studio"])
+def test_the_sphere_is_the_one_that_brdfit_renders(
+    open_tab: Any, bench: Workbench, real_fit: Reconstruction, light: str
+) -> None:
+    bench.open(real_fit)
+    tab = open_tab()
+    tab.settle()
+    tab.page.get_by_label("Light", exact=True).select_option(light)
+    tab.settle()
+    tab.page.wait_for_timeout(300)  # the albedo of the surround comes after the table
+    tab.settle()
+    shown = sphere_of(tab)
+    sphere = Sphere(shown.shape[0])
+    rgb, _ = rgb_table(real_fit.table())
+    lights = {"studio": studio, "point": point, "area_studio": area_studio}[light]()
+    assert shown_difference(shown, sphere.shade(rgb, lights), sphere) < 2.0
+
+
+@pytest.mark.usefixtures("full_tables")
+def test_an_outlier_shows_its_row_and_switching_it_off_and_refitting_changes_the_table(
+    open_tab: Any, bench: Workbench, lobe: Reconstruction
+) -> None:
+    bench.open(lobe)
+    tab, other = open_tab(), open_tab()
+    page = tab.page
+    for one in (tab, other):
+        one.settle()
+    before = picture(other)[0]
+    page.locator(".outlier-list button").first.click()
+    page.wait_for_selector(".detail h3")
+    assert "Row 87 of lobe.csv: outlier" in page.locator(".detail h3").inner_text()
+    page.locator(".detail .switch").click()
+    page.locator("#tab-fit").click()
+    assert "1 samples switched off" in page.locator(".switches").inner_text()
+    page.get_by_role("button", name="Fit again").click()
+    page.wait_for_selector('button[data-entry="e2"]')
+    assert page.locator('button[data-entry="e1"]').count() == 0
+    tab.settle()
+    assert not np.allclose(
+        bench.store.item("e2").table.values, bench.store.item("e1").table.values
+    )
+    # the other tab has not noticed
+    assert other.page.locator('button[data-entry="e1"]').count() == 1
+    np.testing.assert_array_equal(picture(other)[0], before)
+    # and what was refitted is there after a reload
+    page.reload()
+    page.wait_for_selector('button[data-entry="e2"]')
+
+
+@pytest.mark.usefixtures("full_tables")
+def test_a_dropped_file_is_fitted_and_its_binary_downloads_and_reads_back(
+    open_tab: Any, bench: Workbench, lobe_csv: Path, tmp_path: Path
+) -> None:
+    tab = open_tab()
+    page = tab.page
+    page.wait_for_selector("#bar button")
+    page.locator("#file").set_input_files(str(lobe_csv))
+    page.wait_for_selector("button[data-entry]", timeout=60_000)
+    tab.settle()
+    page.locator("#tab-samples").click()
+    page.locator(".outlier-list button").first.click()
+    page.wait_for_selector(".detail .line")
+    assert lobe_csv.read_text().splitlines()[86] in page.locator(".detail .line").inner_text()
+    page.locator("#tab-fit").click()
+    with page.expect_download() as waiting:
+        page.locator('a[data-download="table/merl"]').click()
+    assert waiting.value.suggested_filename == "lobe.binary"
+    waiting.value.save_as(tmp_path / "lobe.binary")
+    table = brdfit.read_table(tmp_path / "lobe.binary")
+    entry = page.locator("button[data-entry]").get_attribute("data-entry")
+    made = bench.store.item(entry).table
+    np.testing.assert_allclose(table.values[made.mask], made.values[made.mask], rtol=1e-6)
+
+
+@pytest.mark.usefixtures("full_tables")
+def test_two_entries_stand_side_by_side_and_their_difference_is_the_perceptual_error(
+    open_tab: Any, bench: Workbench, lobe: Reconstruction
+) -> None:
+    table = lobe.table()
+    other = brdfit.Table(values=table.values * np.float32(1.3))
+    bench.open(table)
+    bench.open(other)
+    tab = open_tab()
+    page = tab.page
+    tab.settle()
+    page.get_by_label("Difference").check()
+    page.wait_for_selector("canvas[data-difference]", timeout=60_000)
+    shown = float(page.locator("#stage canvas").get_attribute("data-difference"))
+    expected = compare(table, other, illuminations=("studio",)).perceptual_error
+    assert shown == pytest.approx(expected, rel=0.05)
+    page.locator("#tab-compare").click()
+    page.get_by_role("button", name="Compare").click()
+    figure = page.locator('tr[data-metric="perceptual_error/studio"] td').nth(1)
+    assert float(figure.inner_text().split()[0]) == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_fit_can_be_cancelled_and_its_error_read(
+    open_tab: Any, bench: Workbench, lobe: Reconstruction
+) -> None:
+    bench.open(lobe)
+    page = open_tab().page
+    page.locator("#tab-fit").click()
+    page.get_by_label("Method").select_option("slow")
+    page.get_by_role("button", name="Fit again").click()
+    page.wait_for_selector('.job[data-state="running"] progress')
+    page.get_by_role("button", name="Cancel").click()
+    page.wait_for_selector('.job[data-state="cancelled"]')
+
+
+@pytest.mark.parametrize(
+    ("width", "scheme"), [(380, "light"), (1280, "dark")], ids=["narrow", "dark"]
+)
+def test_the_page_fits_a_narrow_window_and_the_dark(
+    open_tab: Any, bench: Workbench, lobe: Reconstruction, width: int, scheme: str
+) -> None:
+    bench.open(lobe)
+    tab = open_tab(viewport={"width": width, "height": 800}, color_scheme=scheme)
+    tab.settle()
+    page = tab.page
+    for name in ("samples", "slices", "trust", "compare", "fit"):
+        page.locator(f"#tab-{name}").click()
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+    back = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    level = int(back.removeprefix("rgb(").split(",")[0])
+    assert (level < 60) == (scheme == "dark")
+
+
+def test_everything_can_be_reached_and_moved_by_the_keyboard(
+    open_tab: Any, bench: Workbench, lobe: Reconstruction
+) -> None:
+    bench.open(lobe)
+    tab = open_tab()
+    tab.settle()
+    page = tab.page
+    before = picture(tab)[0]
+    page.locator("#stage canvas").focus()
+    for _ in range(4):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_timeout(400)
+    tab.settle()
+    assert not np.allclose(picture(tab)[0], before)
+    page.locator("#tab-samples").focus()
+    page.keyboard.press("ArrowRight")
+    assert page.locator("#panel-slices").is_visible()
+    page.keyboard.press("ArrowLeft")
+    page.locator('canvas[data-map="half"]').focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_selector(".detail h3")
+    unnamed = [
+        control.evaluate("e => e.outerHTML")
+        for control in page.locator("button:visible, select:visible, input:visible").all()
+        if not control.evaluate(
+            "e => (e.textContent + (e.getAttribute('aria-label') ?? '') + "
+            "(e.closest('label')?.textContent ?? '')).trim()"
+        )
+    ]
+    assert unnamed == []
