@@ -1,5 +1,6 @@
 # On a fresh machine with Python 3.11 or newer and a network:
 #   make demo    set up, then run the main job on the demo measurements
+#   make view    the same, opened in the browser
 #   make test    set up, then run all tests
 # Before a commit: make lint types test
 
@@ -13,11 +14,11 @@ READY := $(VENV)/.installed
 # One thread per process: the tests run side by side.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: help setup demo test lint types format clean
+.PHONY: help setup demo view test lint types format clean
 .DEFAULT_GOAL := help
 
 help:
-	@sed -n '2,4s/^# *//p' Makefile
+	@sed -n '2,5s/^# *//p' Makefile
 
 setup: $(READY)
 
@@ -29,6 +30,9 @@ $(READY): pyproject.toml
 
 demo: $(READY)
 	$(BIN)/python -m brdfit demo --output demo-output
+
+view: demo
+	$(BIN)/python -m brdfit view demo-output/demo.binary
 
 test: $(READY)
 	$(ONE_THREAD) $(BIN)/python -m pytest -n $(WORKERS)

@@ -162,7 +162,9 @@ def test_the_files_of_a_fit_are_found_again_and_can_be_fitted_again(
         assert item.fitted.judged is not None
         assert item.source == lobe_csv
         outlier = int(np.flatnonzero(item.fitted.judged.outliers)[0])
-        assert sample_message(item, outlier).line == lobe_csv.read_text().splitlines()[OUTLIER_ROW - 1]
+        assert (
+            sample_message(item, outlier).line == lobe_csv.read_text().splitlines()[OUTLIER_ROW - 1]
+        )
         assert item.stddev is not None
     made = bench.store.item(finished(bench, FitRequest("e1")))
     assert made.record["method"]["name"] == "quick"

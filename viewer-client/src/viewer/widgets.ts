@@ -9,7 +9,11 @@ export function select(
   value: string,
   changed: (value: string) => void,
 ): HTMLSelectElement {
-  const box = html("select", {}, ...options.map(([name, text]) => new Option(text, name)));
+  const box = html(
+    "select",
+    { "aria-label": label },
+    ...options.map(([name, text]) => new Option(text, name)),
+  );
   box.value = value;
   box.onchange = () => changed(box.value);
   html("label", {}, html("span", {}, label), box);
