@@ -14,7 +14,7 @@ import typing
 from pathlib import Path
 from typing import Any
 
-from brdfit.cli.settings import field_help
+from brdfit.report.field_help import field_help
 from brdfit.viewer.messages import MESSAGES
 
 FILE = Path(__file__).resolve().parents[1] / "viewer-client" / "src" / "messages.ts"

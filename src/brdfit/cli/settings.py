@@ -8,17 +8,14 @@ an option if its type cannot be typed in one word.
 from __future__ import annotations
 
 import argparse
-import ast
 import dataclasses
-import inspect
-import itertools
-import textwrap
 import types
 import typing
 from collections.abc import Callable, Collection
 from typing import Any
 
 from brdfit.errors import UsageError
+from brdfit.report.field_help import field_help
 
 __all__ = ["add_settings", "field_help", "given_settings", "option_name", "pick"]
 
@@ -60,35 +57,6 @@ def given_settings(arguments: argparse.Namespace) -> dict[str, Any]:
         for name, value in vars(arguments).items()
         if name.startswith(_PREFIX)
     }
-
-
-def field_help(settings: type) -> dict[str, str]:
-    """Return the string under each field of a dataclass, inherited fields included."""
-    texts: dict[str, str] = {}
-    for cls in reversed(settings.__mro__):
-        if dataclasses.is_dataclass(cls):
-            texts.update(_strings_under_fields(cls))
-    return texts
-
-
-def _strings_under_fields(cls: type) -> dict[str, str]:
-    try:
-        source = textwrap.dedent(inspect.getsource(cls))
-    except (OSError, TypeError):
-        # Without its source a class has no strings under its fields.
-        return {}
-    body = typing.cast(ast.ClassDef, ast.parse(source).body[0]).body
-    texts = {}
-    for statement, after in itertools.pairwise(body):
-        if (
-            isinstance(statement, ast.AnnAssign)
-            and isinstance(statement.target, ast.Name)
-            and isinstance(after, ast.Expr)
-            and isinstance(after.value, ast.Constant)
-            and isinstance(after.value.value, str)
-        ):
-            texts[statement.target.id] = inspect.cleandoc(after.value.value)
-    return texts
 
 
 def _first_paragraph(text: str) -> str:

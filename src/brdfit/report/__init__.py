@@ -11,6 +11,9 @@
     uncertainty   how sure the method is, small enough for the record
     page          the report: one HTML file
     rgb           a table of any channels as R, G, B, and what that cost
+    reading       a file that may hold samples or a table
+    field_help    the string under each field of a dataclass
+    packed_table  a table small enough to travel into a browser
     demo_input    measurements for the demonstration
 
 Nothing here prints; the command line says what these return.

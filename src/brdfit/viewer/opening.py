@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from brdfit.cli.reading import read_any
 from brdfit.files import sha256_of_file
 from brdfit.report.fit_files import FitFiles, read_fit
 from brdfit.report.fitted import Fitted
+from brdfit.report.reading import read_any
 from brdfit.samples import Samples, Source
 from brdfit.viewer.item import Item
 from brdfit.viewer.store import Held

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from brdfit.cli.settings import field_help
 from brdfit.errors import BrdfitError, UsageError
 from brdfit.populations import population
 from brdfit.reconstruct import METHODS
 from brdfit.reconstruct.result import Method
+from brdfit.report.field_help import field_help
 from brdfit.samples import Flag, Samples
 from brdfit.viewer.item import Item
 from brdfit.viewer.messages import FitRequest, MethodInfo, Setting

@@ -46,9 +46,9 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read both, compare, print."""
-    from brdfit.cli.reading import read_any
     from brdfit.formats import read_table
     from brdfit.report.compare import compare
+    from brdfit.report.reading import read_any
 
     reference = read_any(arguments.reference, reading_options(arguments), arguments.kind)
     test = read_table(arguments.test)

@@ -13,8 +13,8 @@ from brdfit.cli.parser import Parser
 from brdfit.errors import UsageError
 
 if TYPE_CHECKING:
-    from brdfit.cli.reading import Kind
     from brdfit.formats import FormatSheet
+    from brdfit.report.reading import Kind
     from brdfit.table import Table
 
 
@@ -35,8 +35,8 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read one file, write the other, say what was lost."""
-    from brdfit.cli.reading import read_any
     from brdfit.formats import write_samples, write_table
+    from brdfit.report.reading import read_any
     from brdfit.samples import Samples
 
     source, target = arguments.input, arguments.output

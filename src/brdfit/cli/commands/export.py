@@ -44,9 +44,9 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read the table, fit, write, say how close it is."""
-    from brdfit.cli.reading import read_any
     from brdfit.export import write_export
     from brdfit.export.outputs import target_of
+    from brdfit.report.reading import read_any
     from brdfit.samples import Samples
 
     source, output = arguments.file, arguments.output

@@ -47,8 +47,8 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read the file and describe it."""
-    from brdfit.cli.reading import read_any
     from brdfit.cli.summary import samples_lines, samples_record, table_lines, table_record
+    from brdfit.report.reading import read_any
     from brdfit.samples import Samples
 
     _check_picture(arguments)

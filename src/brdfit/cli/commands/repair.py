@@ -57,9 +57,9 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read, repair, write, tell."""
-    from brdfit.cli.reading import read_any
     from brdfit.files import sha256_of_file
     from brdfit.formats import write_samples, write_table
+    from brdfit.report.reading import read_any
     from brdfit.samples import Samples
 
     if arguments.output.resolve() == arguments.input.resolve():

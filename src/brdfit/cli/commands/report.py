@@ -56,8 +56,8 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Gather or fit, compare, write the page."""
-    from brdfit.cli.reading import read_any
     from brdfit.report.page.write import checked_target, write_report
+    from brdfit.report.reading import read_any
 
     # Before any work: is there a place for the result?
     target = checked_target(arguments.output)
@@ -76,8 +76,8 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
 
 
 def _fitted(arguments: argparse.Namespace, console: Console) -> Fitted:
-    from brdfit.cli.reading import read_any
     from brdfit.report.fit_files import FitFiles, read_fit
+    from brdfit.report.reading import read_any
     from brdfit.samples import Samples
 
     path: Path = arguments.file
