@@ -15,6 +15,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from brdfit.display import draw_with as _draw_with
+
 if TYPE_CHECKING:
     from brdfit.errors import BrdfitError as BrdfitError
     from brdfit.formats import list_formats as list_formats
@@ -68,6 +70,15 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(import_module(f"brdfit.{_HOME[name]}"), name)
     raise AttributeError(f"module 'brdfit' has no attribute {name!r}")
+
+
+def _show(what: object) -> str:
+    html: str = import_module("brdfit.report.notebook").html_of(what)
+    return html
+
+
+# Samples, tables and results show themselves in notebooks; who draws them stands far above.
+_draw_with(_show)
 
 
 def __dir__() -> list[str]:

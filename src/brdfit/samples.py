@@ -25,6 +25,7 @@ from brdfit.arrays import (
     dot,
     frozen,
 )
+from brdfit.display import Shown
 from brdfit.errors import SampleError, UsageError
 from brdfit.geometry import half_diff_from_directions
 
@@ -111,7 +112,7 @@ def name_channels(
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class Samples(Shown):
     """n measurements of one material, frozen.
 
     | name          | shape         | unit and range                                       |

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray, IntArray, as_unit_directions, frozen
+from brdfit.display import Shown
 from brdfit.errors import UsageError
 from brdfit.geometry import half_diff_from_directions, split_by_horizon
 from brdfit.grid import MERL_GRID, Grid
@@ -17,7 +18,7 @@ __all__ = ["Table"]
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class Table(Shown):
     """Dense values on a `Grid`, frozen.
 
     | name          | shape                                   | unit and range              |

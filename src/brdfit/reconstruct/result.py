@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray, as_unit_directions
+from brdfit.display import Shown
 from brdfit.errors import UsageError
 from brdfit.geometry import split_by_horizon
 from brdfit.grid import MERL_GRID, Grid
@@ -55,7 +56,7 @@ class Method(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Reconstruction:
+class Reconstruction(Shown):
     """The complete BRDF, what became of each sample, and how the fit ended.
 
     | name                | shape         | meaning                                          |

@@ -10,6 +10,7 @@
     fitted        a finished fit as it can be told of; fit_files finds its files again
     uncertainty   how sure the method is, small enough for the record
     page          the report: one HTML file
+    notebook      what a notebook shows of samples, a table, a result
     rgb           a table of any channels as R, G, B, and what that cost
     reading       a file that may hold samples or a table
     field_help    the string under each field of a dataclass

@@ -16,7 +16,7 @@ from brdfit.report.rgb import rgb_table
 from brdfit.table import Table
 from brdfit.tone import display_image, exposure_scale
 
-__all__ = ["LIGHTS", "SphereRow", "png_uri", "sphere_rows"]
+__all__ = ["LIGHTS", "SphereRow", "cut_out", "png_uri", "sphere_rows"]
 
 LIGHTS = {"area_studio": "three area lights and a dim surround", "point": "one point light"}
 """Illumination -> what it is, in words."""
@@ -56,7 +56,7 @@ def sphere_rows(
         linear = {title: sphere.shade(rgb, ILLUMINATIONS[name]()) for title, rgb in shown}
         scale = _exposure(next(iter(linear.values())), sphere.mask)
         for title, image in linear.items():
-            uri = "" if scale is None else png_uri(_cut_out(display_image(image, scale)))
+            uri = "" if scale is None else png_uri(cut_out(display_image(image, scale)))
             pictures[title].append((words, uri))
         progress("spheres", done + 1, len(LIGHTS))
     return [SphereRow(title, tuple(found)) for title, found in pictures.items()]
@@ -69,7 +69,7 @@ def _exposure(linear: FloatArray, mask: BoolArray) -> float | None:
         return None
 
 
-def _cut_out(display: FloatArray) -> FloatArray:
+def cut_out(display: FloatArray) -> FloatArray:
     """Return (size, size, 4): opaque on the disk, its edge smooth, nothing beside it."""
     size = len(display)
     middle = (2.0 * np.arange(size) + 1.0) / size - 1.0
