@@ -7,7 +7,7 @@ from html import escape
 import numpy as np
 
 from brdfit.albedo import Evaluable
-from brdfit.arrays import FloatArray
+from brdfit.arrays import BoolArray
 from brdfit.errors import UsageError
 from brdfit.reconstruct.result import Reconstruction
 from brdfit.render import ForDisplay, Sphere, point
@@ -67,7 +67,7 @@ def _sphere(brdf: Evaluable, bands: Samples | Table) -> str:
     return f'<img src="{uri}" width="{_SIZE}" height="{_SIZE}" alt="a sphere, one point light">'
 
 
-def _dots(samples: Samples, outliers: FloatArray | None = None) -> str:
+def _dots(samples: Samples, outliers: BoolArray | None = None) -> str:
     used = np.flatnonzero(samples.usable.any(axis=1))
     if used.size == 0:
         return ""
