@@ -249,6 +249,15 @@ def test_a_reference_is_rendered_measured_and_named(fit_known: Fit, tmp_path: Pa
     assert "mean |delta ln f| 0 " in same.said("metrics")
 
 
+def test_an_albedo_far_above_one_leaves_the_plot_readable(fit_known: Fit, tmp_path: Path) -> None:
+    grid = Grid(20, 18, 24)
+    bright = Table(values=np.full((*grid.shape, 1), 150.0), grid=grid)
+    page = _page(bright, tmp_path)
+    plot = page.text.split("Directional albedo")[0].rsplit("<svg", 1)[1]
+    assert re.search(r">rises to \d+<", plot)
+    assert plot.count('class="tick"') < 20
+
+
 def test_a_table_alone_says_what_is_missing(fit_known: Fit, tmp_path: Path) -> None:
     page = _page(fit_known().table(Grid(20, 18, 24)), tmp_path)
     assert "only the table is known" in page.said("")

@@ -29,8 +29,9 @@ __all__ = [
     "settings_lines",
 ]
 
-MOST_OUTLIERS = 300
+MOST_OUTLIERS = 100
 _MOST_ROWS = 40
+_HIGHEST_ALBEDO = 1.6
 
 
 class OutlierLine(NamedTuple):
@@ -150,13 +151,17 @@ def albedo_plot(health: Health) -> str:
     if not details:
         return ""
     curves = {name: np.asarray(values) for name, values in details["albedo"].items()}
-    top = max(1.1, 1.05 * max(float(values.max()) for values in curves.values()))
+    largest = max(float(values.max()) for values in curves.values())
+    # what is far above 1 is wrong by its size; the rest should stay readable
+    top = float(np.clip(1.05 * largest, 1.1, _HIGHEST_ALBEDO))
     plot = Plot(
         Scale.linear(0.0, 90.0, range(0, 91, 15), "theta_i, degrees"),
         Scale.linear(0.0, top, np.arange(0.0, top + 0.01, 0.25).tolist(), "directional albedo"),
         "directional albedo over the angle of incidence; 1 is all the light that arrives",
     )
     plot.across(1.0, "all the light that arrives")
+    if largest > top:
+        plot.across(top, f"rises to {number(largest)}")
     styles = ("red", "green", "blue") if len(curves) == 3 else ("ink",) * len(curves)
     for values, style in zip(curves.values(), styles, strict=True):
         plot.line(np.asarray(details["theta_i_degrees"]), values, f"curve {style}")

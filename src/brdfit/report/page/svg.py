@@ -113,7 +113,9 @@ class Plot:
         (x0, py), (x1, _) = self._points(np.array([self._x.low, self._x.high]), np.full(2, y))
         line = {"x1": f"{x0:.1f}", "x2": f"{x1:.1f}", "y1": f"{py:.1f}", "y2": f"{py:.1f}"}
         ET.SubElement(self.root, "line", {**line, "class": "guide"})
-        self._text(x1 - 3, py - 4, text, "end", "note")
+        # below the line where there is no room above
+        at = py - 4 if py > _TOP + 12 else py + 11
+        self._text(x1 - 3, at, text, "end", "note")
 
     def image(self, uri: str) -> None:
         """Fill the plot with a picture, its top row at the top."""
