@@ -50,7 +50,11 @@ class Server:
         try:
             self._server.run(sockets=[self._socket])
         finally:
-            self._socket.close()
+            self.close()
+
+    def close(self) -> None:
+        """Let go of the port."""
+        self._socket.close()
 
     def stop(self) -> None:
         """End serving, from any thread."""

@@ -7,9 +7,11 @@ with Workbench() as bench:
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shutil
+import threading
 from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
@@ -17,7 +19,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from brdfit.errors import UsageError
+from brdfit.errors import BrdfitError, UsageError
 from brdfit.formats import list_formats, write_samples, write_table
 from brdfit.progress import Progress
 from brdfit.reconstruct.result import Method, Reconstruction
@@ -93,21 +95,30 @@ class Workbench:
         `options` are those of the file's reader. Raises `BrdfitError` for what cannot be read.
         """
         id = self.store.next_id("e")
+        found: Item | Held
         if isinstance(what, Table):
-            self.store.open(Item(id, what.source.name, Fitted.of_table(what)))
-            return
-        if isinstance(what, Reconstruction):
-            name = what.samples.source.name
-            self.store.open(Item(id, name, Fitted.of(what), result=what))
-            return
-        found = open_path(Path(what), id, options)
+            found = Item(id, what.source.name, Fitted.of_table(what))
+        elif isinstance(what, Reconstruction):
+            found = Item(id, what.samples.source.name, Fitted.of(what), result=what)
+        else:
+            found = open_path(Path(what), id, options)
         if isinstance(found, Item):
             self.store.open(found)
+            self._pack_ahead(found)
             return
         found = replace(found, id=self.store.next_id("u"))
         self.store.add(found)
         job = self._fit(FitRequest(source=found.id), found, keep=True)
         self._first_jobs.append(job.id)
+
+    def _pack_ahead(self, item: Item) -> None:
+        """Pack the table while the browser starts; where that fails, the page is told."""
+
+        def pack() -> None:
+            with contextlib.suppress(BrdfitError):
+                _ = item.packed
+
+        threading.Thread(target=pack, name="brdfit-pack", daemon=True).start()
 
     def home(self) -> Home:
         """Return what the page asks for first."""

@@ -53,8 +53,10 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     if not 0 <= arguments.port <= 65535:
         raise UsageError(f"--port: found {arguments.port} but expected 0 to 65535.")
     options = reading_options(arguments)
-    with Workbench(method_from(arguments)) as bench:
-        server = Server(bench, arguments.port)
+    with (
+        Workbench(method_from(arguments)) as bench,
+        contextlib.closing(Server(bench, arguments.port)) as server,
+    ):
         for path in arguments.files:
             bench.open(path, **options)
         console.say("the page, for this machine and whoever knows the token:")
