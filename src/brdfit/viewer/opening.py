@@ -32,7 +32,7 @@ def open_path(path: Path, id: str, options: dict[str, Any] | None = None) -> Ite
         return Held(id, path.name, found, path, said)
     judged = found.judged
     source = None if judged is None else _source_beside(path, judged.samples)
-    return Item(id, _name(path, found), found, source=source, warnings=said)
+    return Item(id, path.name, found, source=source, warnings=said)
 
 
 def _read(path: Path, options: dict[str, Any]) -> Fitted | Samples:
@@ -67,10 +67,6 @@ def _with_source(fitted: Fitted) -> Fitted:
         return fitted
     samples = replace(fitted.judged.samples, source=source)
     return replace(fitted, judged=replace(fitted.judged, samples=samples))
-
-
-def _name(path: Path, fitted: Fitted) -> str:
-    return path.name if fitted.name in ("", path.name) else f"{path.name} ({fitted.name})"
 
 
 def _source_beside(path: Path, samples: Samples) -> Path | None:

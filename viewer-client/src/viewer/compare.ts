@@ -3,7 +3,7 @@
 import type { ComparisonTable } from "../messages";
 import { html } from "../plots/svg";
 import { api } from "./api";
-import type { Model } from "./model";
+import { titleOf, type Model } from "./model";
 import { select } from "./widgets";
 
 export class ComparePanel {
@@ -27,7 +27,7 @@ export class ComparePanel {
       );
       return;
     }
-    const options = entries.map((entry) => [entry.id, entry.name] as const);
+    const options = entries.map((entry) => [entry.id, titleOf(entry)] as const);
     const reference = select("Reference", options, entries[0]!.id, () => {});
     const test = select("Test", options, entries[1]!.id, () => {});
     const go = html("button", { type: "button", class: "primary" }, "Compare");

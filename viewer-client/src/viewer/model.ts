@@ -2,6 +2,11 @@
 
 import type { Entry, Home } from "../messages";
 
+/** Return what to call an entry where several stand side by side. */
+export function titleOf(entry: Entry): string {
+  return entry.fit ? `${entry.name} · ${entry.fit.method}` : entry.name;
+}
+
 type Topic = "entries" | "active" | "chosen" | "switches" | "theme";
 
 export class Model {

@@ -6,7 +6,7 @@ import { Material } from "../render/material";
 import { Renderer, type Scene, type Settled } from "../render/renderer";
 import { lightForHighlight, type Orbit, type Vec3 } from "../render/vectors";
 import { api } from "./api";
-import type { Model } from "./model";
+import { titleOf, type Model } from "./model";
 import { select, slider, toggle } from "./widgets";
 
 const POINT = "point";
@@ -225,7 +225,7 @@ export class Stage {
     this.lastState = state;
     if (!state) return;
     const ratio = this.canvas.width / Math.max(this.canvas.clientWidth, 1);
-    const names = this.model.entries.map((entry) => entry.name);
+    const names = this.model.entries.map(titleOf);
     if (state.cells.length > names.length) {
       const mean = state.difference === null ? "" : `, mean ${state.difference.toFixed(2)}`;
       names.push(`ΔE00 of the first two${mean} (yellow: 10)`);
