@@ -16,7 +16,7 @@ import pytest
 import brdfit.report.fit_outputs as fit_outputs
 from brdfit.errors import DataQualityWarning
 from brdfit.formats import read_samples, read_table, write_table
-from brdfit.grid import MERL_GRID
+from brdfit.grid import MERL_GRID, Grid
 from brdfit.table import Table
 
 Run = Callable[..., tuple[int, str, str]]
@@ -269,3 +269,26 @@ def test_a_fit_that_is_stopped_while_it_writes_leaves_nothing(
         process.send_signal(number)
         assert process.wait(30) == code
     assert os.listdir(paint_csv.parent) == ["paint.csv"]
+
+
+def test_render_under_a_panorama_and_on_a_sheet(run: Run, tmp_path: Path) -> None:
+    from matplotlib.image import imread
+
+    header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n"
+    (tmp_path / "sky.hdr").write_bytes(header + bytes([90, 90, 90, 128]) * 8)
+    for name in ("a", "b"):
+        values = np.full((6, 6, 4, 3), 0.2 if name == "a" else 0.1)
+        write_table(Table(values=values, grid=Grid(6, 6, 4)), tmp_path / f"{name}.npz")
+    both = [tmp_path / "a.npz", tmp_path / "b.npz"]
+    sheet = tmp_path / "sheet.png"
+    words = ("--environment", tmp_path / "sky.hdr", "--samples", "8", "--size", "20")
+    code, out, err = run("render", *both, "--sheet", "-o", sheet, *words)
+    assert code == 0, err
+    assert "2 spheres under sky.hdr" in out
+    assert imread(sheet).shape[:2] == (58, 64)
+    code, _, err = run("render", *both, "-o", sheet)
+    assert code == 2
+    assert "--sheet" in err
+    code, _, err = run("render", both[0])
+    assert code == 2
+    assert "-o" in err

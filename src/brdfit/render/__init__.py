@@ -12,6 +12,7 @@ grid; `to_rgb` turns spectral bands into linear sRGB. No files here, and no disp
 from __future__ import annotations
 
 from brdfit.albedo import Evaluable
+from brdfit.render.environment import Environment
 from brdfit.render.illumination import (
     ILLUMINATIONS,
     Illumination,
@@ -31,9 +32,11 @@ from brdfit.render.spectral import (
     to_rgb,
 )
 from brdfit.render.sphere import Queries, Sphere
+from brdfit.render.under_environment import shade_under
 
 __all__ = [
     "ILLUMINATIONS",
+    "Environment",
     "Evaluable",
     "ForDisplay",
     "Illumination",
@@ -49,6 +52,7 @@ __all__ = [
     "panorama_lights",
     "point",
     "rgb_matrix",
+    "shade_under",
     "shows_colour",
     "studio",
     "to_rgb",

@@ -83,9 +83,10 @@ class Sphere:
         return frozen(np.stack([x, y, np.sqrt(1.0 - x * x - y * y)], axis=1))
 
     @cached_property
-    def _frame(self) -> FloatArray:
-        # (pixels, 3, 3), rows tangent, bitangent, normal; the tangent is the view direction
-        # laid into the surface, or +x in the one pixel that may face the viewer.
+    def frame(self) -> FloatArray:
+        """(pixels, 3, 3) rows tangent, bitangent, normal of each pixel of the disk."""
+        # The tangent is the view direction laid into the surface, or +x in the one pixel that
+        # may face the viewer.
         n = self.normal
         sine = np.hypot(n[:, 0], n[:, 1])
         facing = sine < 1e-9
@@ -141,7 +142,7 @@ class Sphere:
 
     def _chunks(self, illumination: Illumination, pixels: int) -> Iterator[Queries]:
         for first in range(0, len(self.normal), pixels):
-            frame = self._frame[first : first + pixels]
+            frame = self.frame[first : first + pixels]
             # wi[p, l, :] = frame[p] @ direction[l]
             wi = np.einsum("pij,lj->pli", frame, illumination.direction)
             pixel, light = np.nonzero(wi[..., 2] > _HORIZON)
