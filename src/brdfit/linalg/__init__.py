@@ -1,7 +1,8 @@
-"""Small least-squares problems given by their normal equations. Knows nothing of BRDFs."""
+"""Small least-squares problems: normal equations, Gaussian coefficients. Knows nothing of BRDFs."""
 
 from __future__ import annotations
 
+from brdfit.linalg.gaussian import CoefficientPosterior, LeftOut
 from brdfit.linalg.normal_equations import (
     NormalEquations,
     RidgeFit,
@@ -10,4 +11,12 @@ from brdfit.linalg.normal_equations import (
     ridge_with_intercept,
 )
 
-__all__ = ["NormalEquations", "RidgeFit", "nonnegative", "ridge", "ridge_with_intercept"]
+__all__ = [
+    "CoefficientPosterior",
+    "LeftOut",
+    "NormalEquations",
+    "RidgeFit",
+    "nonnegative",
+    "ridge",
+    "ridge_with_intercept",
+]

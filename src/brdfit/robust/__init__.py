@@ -5,6 +5,14 @@ Knows nothing of BRDFs: arrays of residuals in, arrays of weights in [0, 1] out.
 
 from __future__ import annotations
 
+from brdfit.robust.mixture import Background, Mixture, Verdict
 from brdfit.robust.weights import cauchy, quartile_scale, relative_exponential
 
-__all__ = ["cauchy", "quartile_scale", "relative_exponential"]
+__all__ = [
+    "Background",
+    "Mixture",
+    "Verdict",
+    "cauchy",
+    "quartile_scale",
+    "relative_exponential",
+]

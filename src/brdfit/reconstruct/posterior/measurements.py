@@ -1,0 +1,101 @@
+"""What `Posterior` sees of samples: ln f_r in a fixed order, what is known, how it scatters.
+
+The rows are put in an order of their own content, so that neither the order of a file nor the
+number of threads decides anything. Noise has two parts: a relative one, which the fit finds,
+and an absolute one at the dark end, where instruments (and decoded networks) have a floor:
+
+    V_i = s^2 + (floor / f_i)^2 + (sigma_i / f_i)^2
+
+with f_i the mean of a row over its channels and sigma_i the stated standard deviation, if any.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brdfit.arrays import BoolArray, FloatArray, IntArray
+from brdfit.reconstruct.targets import Targets
+from brdfit.samples import Samples
+
+__all__ = ["Measurements"]
+
+
+@dataclass(frozen=True, eq=False)
+class Measurements:
+    """n usable rows in canonical order.
+
+    | name       | shape  | meaning                                                      |
+    |------------|--------|--------------------------------------------------------------|
+    | `rows`     | (n,)   | which of the samples                                         |
+    | `y`        | (n, c) | ln f_r, or ln of the bound where censored; 0 where unknown   |
+    | `known`    | (n, c) | there is a value or a bound                                  |
+    | `censored` | (n, c) | only a bound                                                 |
+    | `scatter`  | (n,)   | variance of ln f_r besides s^2                               |
+    """
+
+    rows: IntArray
+    y: FloatArray
+    known: BoolArray
+    censored: BoolArray
+    scatter: FloatArray
+
+    @classmethod
+    def of(cls, samples: Samples, floor: float) -> Measurements:
+        """Take the usable rows of `samples`; `floor` is the absolute noise, 1/sr."""
+        targets = Targets.of(samples)
+        rows = np.flatnonzero(targets.usable.any(axis=1))
+        rows = rows[_canonical_order(samples, rows)]
+        known, censored = targets.usable[rows], targets.censored[rows]
+        y = np.where(known, targets.log_value[rows], 0.0)
+        level = np.exp(np.where(known, y, 0.0).sum(axis=1) / known.sum(axis=1))
+        scatter = (floor / level) ** 2
+        if samples.sigma is not None:
+            stated = np.where(known & np.isfinite(samples.sigma[rows]), samples.sigma[rows], 0.0)
+            relative = stated / np.maximum(np.exp(y), 1e-12)
+            scatter += np.minimum((relative**2).sum(axis=1) / known.sum(axis=1), 100.0)
+        return cls(rows, y, known, censored, scatter)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @property
+    def complete(self) -> bool:
+        """True if every row has a value in every channel."""
+        return bool(self.known.all()) and not bool(self.censored.any())
+
+    def informative(self, mean: FloatArray) -> BoolArray:
+        """(n, c): what can say that the prediction `mean` (n, c) of ln f_r is off.
+
+        A bound that the prediction respects has nothing to say.
+        """
+        return np.asarray(self.known & ~(self.censored & (mean <= self.y)))
+
+    def take(self, index: IntArray) -> Measurements:
+        """Return some of the rows."""
+        return Measurements(
+            self.rows[index],
+            self.y[index],
+            self.known[index],
+            self.censored[index],
+            self.scatter[index],
+        )
+
+    def spread_out(self, count: int) -> IntArray:
+        """Return the indices of about `count` rows, evenly among the canonical order."""
+        n = len(self)
+        if n <= count:
+            return np.arange(n)
+        return np.unique(np.linspace(0, n - 1, count).round().astype(np.int64))
+
+
+def _canonical_order(samples: Samples, rows: IntArray) -> IntArray:
+    """Order by a scrambled key of direction, then by value: the same for any permutation.
+
+    The key jumps about, so that evenly spaced rows are a fair draw from all directions.
+    """
+    theta_h, theta_d, phi_d = (np.round(angle[rows], 9) for angle in samples.half_diff)
+    key = np.modf(theta_h * 7919.0 + theta_d * 104729.0 + np.mod(phi_d, np.pi) * 1299709.0)[0]
+    value = np.nan_to_num(samples.value[rows], nan=-1.0)
+    return np.lexsort((*np.sort(value, axis=1).T, phi_d, theta_d, theta_h, key))

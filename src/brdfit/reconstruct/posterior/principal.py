@@ -1,0 +1,181 @@
+"""Principal components of a population's log columns, at any direction and on a grid.
+
+Every channel of every member of a source is a column L_j(x) = ln max(f_r, VALUE_FLOOR). With
+their mean mu and the singular vectors V of the centred columns over cells of the MERL grid,
+
+    L_j(x) = mu(x) + sum_k B_k(x) V_jk,      B = (L - mu) V
+
+The components that carry almost nothing are left out. mu and B belong to the *source*; which
+members a fit may lean on, and with what weight, is a matter of the rows of V alone
+(`population_prior`), so that leaving a material out needs no other basis.
+
+On a grid mu and B are worked out once and kept in the user's cache. The members themselves
+are asked at single directions; for very many directions the grid is interpolated.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from brdfit.arrays import FloatArray, IntArray
+from brdfit.files import sha256_of_bytes
+from brdfit.geometry import half_diff_from_directions
+from brdfit.grid import MERL_GRID, Grid
+from brdfit.populations import Population, cache_folder, remember
+from brdfit.populations.cache import locked
+from brdfit.populations.store import stored_cells
+from brdfit.progress import Progress, silent
+from brdfit.reconstruct.correction_basis import training_cells
+from brdfit.reconstruct.members import MemberRows
+from brdfit.table import Table
+
+__all__ = ["GridComponents", "PrincipalBasis", "column_weights", "principal_basis"]
+
+# Raise it when the components of the same population would change.
+_VERSION = 1
+# Components below this share of the largest singular value, squared, are left out: about
+# 0.001 in ln f_r over all columns of the published fits.
+_SMALLEST = 1e-7
+_CHUNK = 8192
+_LABEL = "principal components"
+# Directions above which the grid is interpolated: asking every member takes longer.
+_DIRECT = 30_000
+
+
+@dataclass(frozen=True, eq=False)
+class PrincipalBasis:
+    """V and how to have mu and B: at directions, and on a grid."""
+
+    population: Population
+    """All members of the source."""
+    axes: FloatArray
+    """V (columns, q), columns channel by channel: column of member j, channel c at c M + j."""
+
+    @property
+    def size(self) -> int:
+        """Number of components q."""
+        return int(self.axes.shape[1])
+
+    def at(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return [mu | B] (n, 1 + q), float32, at directions (n, 3) above the horizon."""
+        if len(wi) > _DIRECT:
+            return self.on_grid(MERL_GRID).interpolated(wi, wo)
+        parts = [np.empty((0, 1 + self.size), dtype=np.float32)]
+        for start in range(0, len(wi), _CHUNK):
+            rows = slice(start, start + _CHUNK)
+            parts.append(self.of_members(MemberRows.at(self.population, wi[rows], wo[rows])))
+        return np.concatenate(parts)
+
+    def of_members(self, members: MemberRows) -> FloatArray:
+        """Return [mu | B] (n, 1 + q), float32, where the members are known."""
+        logs = np.concatenate(members.logs, axis=1)
+        mean = logs.mean(axis=1, dtype=np.float64).astype(np.float32)[:, None]
+        logs -= mean
+        return np.hstack([mean, logs @ self.axes.astype(np.float32)])
+
+    def on_grid(self, grid: Grid, progress: Progress = silent) -> GridComponents:
+        """Return mu and B at the cells of a grid, built on first use."""
+        cells, expand = stored_cells(grid, self.population.source.bilateral)
+        name = json.dumps([self.population.fingerprint, grid.shape, self.size, _VERSION])
+        path = cache_folder("principal") / f"{sha256_of_bytes(name.encode())[:24]}.npy"
+        if not path.exists():
+            with locked(path):
+                if not path.exists():
+                    self._build(path, grid, cells, progress)
+        return GridComponents(grid, cells, expand, np.load(path, mmap_mode="r"))
+
+    def _build(self, path: Path, grid: Grid, cells: IntArray, progress: Progress) -> None:
+        aside = path.with_name(f"{path.stem}.part.npy")
+        shape = (cells.size, 1 + self.size)
+        _need_room(path.parent, 4 * shape[0] * shape[1])
+        try:
+            stored = np.lib.format.open_memmap(aside, mode="w+", dtype=np.float32, shape=shape)
+            for start in range(0, cells.size, _CHUNK):
+                progress(_LABEL, start, cells.size)
+                block = cells[start : start + _CHUNK]
+                members = MemberRows.at(self.population, *grid.directions(block))
+                stored[start : start + block.size] = self.of_members(members)
+            stored.flush()
+            del stored
+            aside.replace(path)
+        finally:
+            aside.unlink(missing_ok=True)
+        progress(_LABEL, cells.size, cells.size)
+
+
+@dataclass(frozen=True, eq=False)
+class GridComponents:
+    """[mu | B] at cells of a grid; `expand` leads from each of `grid.cells` to its row."""
+
+    grid: Grid
+    cells: IntArray
+    expand: IntArray
+    rows: FloatArray
+    """(m, 1 + q), float32, on disk."""
+
+    def interpolated(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return [mu | B] (n, 1 + q), trilinear between valid cells."""
+        blank = Table(values=np.zeros((*self.grid.shape, 1), dtype=np.float32), grid=self.grid)
+        row_of = self._row_of
+        result = np.empty((len(wi), self.rows.shape[1]), dtype=np.float32)
+        for start in range(0, len(wi), _CHUNK):
+            at = slice(start, start + _CHUNK)
+            corners = self.grid.corners(*half_diff_from_directions(wi[at], wo[at]))
+            index, weight = blank.valid_corners(*corners)
+            gathered = self.rows[row_of[index]]
+            result[at] = np.einsum("nkq,nk->nq", gathered, weight.astype(np.float32))
+        return result
+
+    @cached_property
+    def _row_of(self) -> IntArray:
+        """Row of each flat cell; 0 for cells below the horizon, which nobody asks for."""
+        row_of = np.zeros(self.grid.size, dtype=np.int64)
+        row_of[self.grid.cells] = self.expand
+        return row_of
+
+
+def principal_basis(population: Population, progress: Progress = silent) -> PrincipalBasis:
+    """Return the principal basis of a population's source, computed once and kept."""
+    everyone = Population.of(population.source)
+
+    def build() -> dict[str, FloatArray]:
+        progress(_LABEL, 0, 1)
+        members = MemberRows.at(everyone, *MERL_GRID.directions(training_cells(MERL_GRID)))
+        return {"axes": axes_of(np.concatenate(members.logs, axis=1))}
+
+    key = f"{everyone.fingerprint} {_SMALLEST!r} {_VERSION}"
+    return PrincipalBasis(everyone, remember("posterior-axes", key, build)["axes"])
+
+
+def axes_of(logs: FloatArray, smallest: float = _SMALLEST) -> FloatArray:
+    """Return V (columns, q) of log columns (cells, columns), largest component first."""
+    centred = logs.astype(np.float64)
+    centred -= centred.mean(axis=1, keepdims=True)
+    values, vectors = np.linalg.eigh(centred.T @ centred)
+    kept = values > smallest * values[-1]
+    return np.ascontiguousarray(vectors[:, kept][:, ::-1])
+
+
+def column_weights(population: Population) -> FloatArray:
+    """Return the weight of every column of the *source* (columns,): 0 for members left out."""
+    members = np.zeros(len(population.source.members))
+    members[population.pick] = population.weights
+    channels = len(population.channels)
+    return np.tile(members / channels, channels)
+
+
+def _need_room(folder: Path, size: int) -> None:
+    from brdfit.errors import PopulationError
+
+    free = shutil.disk_usage(folder).free
+    if free < size + (64 << 20):
+        raise PopulationError(
+            f"{folder}: the principal components need {size >> 20} MB but {free >> 20} MB are "
+            f"free. Make room, or name another folder in BRDFIT_CACHE."
+        )

@@ -1,0 +1,143 @@
+"""One explanation of the samples, brought to rest: coefficients, noise, and who is believed.
+
+Repeated until the responsibilities stay where they are:
+
+    1.  w_i = r_i / V_i                                  V_i = s^2 + scatter_i
+    2.  coefficients z from rows of weight w             (`linalg.gaussian`)
+    3.  what the *other* rows say of each row            mean_i, var_i
+    4.  r from the mixture at variance var_i + V_i       (`robust.mixture`)
+    5.  pi and s from r
+
+A row is judged by the others: with a residual free enough to follow one sample, every sample
+agrees with itself. s never falls by more than half in a step, so that a good start is not
+lost to a moment's confidence, and is drawn toward `EXPECTED` by a few imagined samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from brdfit.arrays import BoolArray, FloatArray
+from brdfit.linalg import CoefficientPosterior, LeftOut
+from brdfit.reconstruct.posterior.measurements import Measurements
+from brdfit.robust import Mixture, Verdict
+
+__all__ = ["Belief", "Explanation", "refine"]
+
+EXPECTED = 0.05
+"""ln f_r: the noise that is expected before anything is known."""
+_IMAGINED = 5.0
+_LEAST, _MOST = 0.003, 0.25
+_SETTLED = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """Who is believed, and how much: where a refinement starts, and where it stands."""
+
+    responsibility: FloatArray
+    """r (n,)."""
+    width: float
+    """s, relative noise of an inlier, ln f_r."""
+    mixture: Mixture
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """Coefficients and what the data say of them."""
+
+    coefficients: FloatArray
+    """z (d, c)."""
+    posterior: CoefficientPosterior
+    mean: FloatArray
+    """Fitted ln f_r (n, c)."""
+    left_out: LeftOut
+    belief: Belief
+    score: float
+    """Sum of ln of the mixture density of every row, given the others."""
+    steps: int
+    settled: bool
+
+
+def refine(
+    data: Measurements,
+    base: FloatArray,
+    features: FloatArray,
+    belief: Belief,
+    steps: int,
+) -> Explanation:
+    """Return the explanation that `belief` leads to, for ln f_r = base (n,) + features z.
+
+    `features` (n, d) are float64 rows with a standard normal prior on z.
+    """
+    last: Explanation | None = None
+    for step, explained in enumerate(_states(data, base, features, belief), start=1):
+        moved = 1.0
+        if last is not None:
+            change = explained.belief.responsibility - last.belief.responsibility
+            moved = float(np.abs(change).max(initial=0.0))
+            same_width = abs(explained.belief.width / last.belief.width - 1.0) < 0.02
+            moved = moved if same_width else 1.0
+        last = explained
+        if moved < _SETTLED or step >= steps:
+            break
+    assert last is not None
+    settled = moved < _SETTLED
+    return Explanation(
+        last.coefficients,
+        last.posterior,
+        last.mean,
+        last.left_out,
+        last.belief,
+        last.score,
+        step,
+        settled,
+    )
+
+
+def _states(
+    data: Measurements, base: FloatArray, features: FloatArray, belief: Belief
+) -> Iterator[Explanation]:
+    """Yield explanation after explanation, without end."""
+    y = data.y - base[:, None]
+    known = data.known
+    while True:
+        variance = belief.width**2 + data.scatter
+        posterior = CoefficientPosterior.of(features, belief.responsibility / variance)
+        coefficients = posterior.solve(y, None if known.all() else known)
+        fitted = features @ coefficients
+        left_out = posterior.left_out(y, fitted)
+        known = data.informative(fitted + base[:, None])
+        spread = left_out.variance + variance
+        verdict = belief.mixture.judge(y + base[:, None], left_out.mean + base[:, None], spread, known)
+        belief = Belief(
+            verdict.responsibility,
+            _width(belief.width, verdict, y - left_out.mean, spread, known),
+            belief.mixture.updated(data.y, verdict, known),
+        )
+        yield Explanation(
+            coefficients,
+            posterior,
+            fitted + base[:, None],
+            left_out,
+            belief,
+            float(verdict.log_likelihood.sum()),
+            0,
+            False,
+        )
+
+
+def _width(
+    width: float, verdict: Verdict, residual: FloatArray, spread: FloatArray, known: BoolArray
+) -> float:
+    """Return s for which left-out residuals are as large as they are said to be."""
+    count = np.maximum(known.sum(axis=1), 1)
+    size = np.where(known, residual**2, 0.0).sum(axis=1) / count / spread
+    r = verdict.responsibility * known.any(axis=1)
+    too_large = float((r * size).sum() / max(r.sum(), 1e-9))
+    total = r.sum() * width**2 * np.clip(too_large, 0.25, 4.0) + _IMAGINED * EXPECTED**2
+    found = float(np.sqrt(total / (r.sum() + _IMAGINED)))
+    return float(np.clip(found, max(_LEAST, 0.5 * width), _MOST))

@@ -1,0 +1,166 @@
+"""The two stages of a fit: what the population can explain, then what it cannot.
+
+1. The population alone, from several starts; the most likely explanation is kept.
+2. Population and local residual, from the first stage's verdict *and* from believing
+   everybody: a lobe that no member has looks like outliers to the first stage, but its samples
+   agree with one another. Every length scale and amplitude of a short list is tried; the one
+   under which left-out samples are most likely wins.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brdfit.arrays import FloatArray
+from brdfit.reconstruct.posterior.measurements import Measurements
+from brdfit.reconstruct.posterior.prior import PopulationPrior, closer, population_prior
+from brdfit.reconstruct.posterior.refine import Belief, Explanation, refine
+from brdfit.reconstruct.posterior.residual import LocalResidual, Scale
+from brdfit.reconstruct.posterior.starts import WIDE, starting_beliefs
+from brdfit.robust import Background, Mixture
+
+__all__ = ["Design", "Kernel", "Search", "Winner", "explain"]
+
+Angles = tuple[FloatArray, FloatArray, FloatArray]
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """Length scales and amplitude of the local residual."""
+
+    scale: Scale
+    amplitude: float
+
+
+@dataclass(frozen=True)
+class Search:
+    """What is tried, and how long."""
+
+    kernels: tuple[Kernel, ...]
+    starts: int = 6
+    first_steps: int = 12
+    second_steps: int = 6
+    leading: int = 80
+    """Directions of the prior in the first stage."""
+    nearest: int = 10
+    reach: float = 3.0
+    mix: float = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A population at the samples: [mu | B] (n, 1 + q), V (columns, q), column weights."""
+
+    components: FloatArray
+    axes: FloatArray
+    weights: FloatArray
+    angles: Angles
+
+    def take(self, index: np.ndarray) -> Design:
+        """Return some of the rows."""
+        theta_h, theta_d, phi_d = self.angles
+        return Design(
+            self.components[index],
+            self.axes,
+            self.weights,
+            (theta_h[index], theta_d[index], phi_d[index]),
+        )
+
+    def columns(self) -> FloatArray:
+        """Return ln f_r (n, k) of the columns that may be leaned on."""
+        used = self.axes[self.weights > 0.0].astype(np.float32)
+        return np.asarray(self.components[:, :1] + self.components[:, 1:] @ used.T)
+
+
+@dataclass(frozen=True, eq=False)
+class Winner:
+    """The explanation that was kept, the prior and the kernel that it is made of."""
+
+    prior: PopulationPrior
+    kernel: Kernel
+    explanation: Explanation
+    tried: int
+
+
+def explain(data: Measurements, design: Design, search: Search) -> Winner:
+    """Return the best explanation of `data`, whose population is `design`."""
+    prior = population_prior(design.axes, design.weights)
+    columns = design.columns()
+    base = prior.log_mean(design.components)
+    first = _by_population(data, design, prior, np.column_stack([columns, base]), search)
+    weights = _closer_weights(design, columns, first, search)
+    prior = population_prior(design.axes, weights)
+    return _with_residual(data, design, prior, first, search)
+
+
+def features_of(
+    design: Design, prior: PopulationPrior, kernel: Kernel
+) -> tuple[FloatArray, FloatArray]:
+    """Return (base (n,), features (n, d)): population, brightness, local residual."""
+    local = LocalResidual.of(kernel.scale).at(design.angles)
+    features = np.hstack([prior.features(design.components), kernel.amplitude * local])
+    return prior.log_mean(design.components), features
+
+
+def _by_population(
+    data: Measurements,
+    design: Design,
+    prior: PopulationPrior,
+    candidates: FloatArray,
+    search: Search,
+) -> Explanation:
+    leading = prior.leading(search.leading)
+    base, features = prior.log_mean(design.components), leading.features(design.components)
+    found = [
+        refine(data, base, features, belief, search.first_steps)
+        for belief in starting_beliefs(data, candidates, search.starts)
+    ]
+    return max(found, key=_plausibility)
+
+
+def _plausibility(explained: Explanation) -> float:
+    """Left-out likelihood, and how unlikely the coefficients are beforehand."""
+    return explained.score - 0.5 * float((explained.coefficients**2).sum(axis=0).mean())
+
+
+def _closer_weights(
+    design: Design, columns: FloatArray, first: Explanation, search: Search
+) -> FloatArray:
+    """Weigh the columns by their distance from the first stage's result, up to a scale."""
+    r = first.belief.responsibility
+    share = r / max(float(r.sum()), 1e-9)
+    estimate = first.mean.mean(axis=1)
+    difference = columns - estimate[:, None]
+    difference -= share @ difference
+    distances = np.zeros(design.weights.size)
+    distances[design.weights > 0.0] = share @ difference**2
+    return closer(design.weights, distances, search.nearest, search.reach, search.mix)
+
+
+def _with_residual(
+    data: Measurements,
+    design: Design,
+    prior: PopulationPrior,
+    first: Explanation,
+    search: Search,
+) -> Winner:
+    starts = [first.belief, everybody(data)]
+    best: Winner | None = None
+    for kernel in search.kernels:
+        base, features = features_of(design, prior, kernel)
+        for belief in starts:
+            explained = refine(data, base, features, belief, search.second_steps)
+            if best is None or explained.score > best.explanation.score:
+                best = Winner(prior, kernel, explained, len(search.kernels) * len(starts))
+    assert best is not None
+    return best
+
+
+def everybody(data: Measurements) -> Belief:
+    """Return the belief that every sample is right."""
+    mixture = Mixture(0.05, Background.of(data.y, data.known))
+    return Belief(np.ones(len(data)), WIDE, mixture)
+
+

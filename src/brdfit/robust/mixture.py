@@ -1,0 +1,115 @@
+"""Two components for every row: a measurement with its own noise, or something else.
+
+A row i has residuals e_ic = y_ic - prediction over its known entries c. With probability
+1 - pi it is an *inlier*, e normal of variance V_i; with probability pi an *outlier*, whose
+value knows of no prediction: a normal over the values themselves, as broad as the outliers
+found so far, with a thin floor beneath it.
+
+    ln N_i = mean over c of  -1/2 (e_ic^2 / V_i + ln 2 pi V_i)
+    ln O_i = mean over c of  ln( (1 - t) N(y_ic; centre, breadth^2) + t N(y_ic; centre, 5^2) )
+
+    r_i = (1 - pi) N_i / ((1 - pi) N_i + pi O_i)         the responsibility, or weight
+
+Means over the entries, not sums: entries of a row are wrong together, and thirty bands of
+one direction are not thirty witnesses. Repeating a column changes nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brdfit.arrays import BoolArray, FloatArray
+
+__all__ = ["Background", "Mixture", "Verdict"]
+
+_LOG_TWO_PI = float(np.log(2.0 * np.pi))
+# Pseudo-counts of the share of outliers, Beta(a, b): 20 samples must not settle on 0 or 1.
+_PRIOR_WRONG, _PRIOR_RIGHT = 0.5, 4.5
+# Outliers imagined beside those found, the least breadth of their values, and t.
+_IMAGINED, _NARROWEST, _FLOOR = 5.0, 0.7, 0.02
+
+
+@dataclass(frozen=True)
+class Background:
+    """Where values lie that no prediction explains: a normal over y, and a thin floor."""
+
+    centre: float
+    breadth: float
+
+    @classmethod
+    def of(cls, y: FloatArray, known: BoolArray, wrong: FloatArray | None = None) -> Background:
+        """Fit it to the known values, weighted by how `wrong` (n,) their rows are.
+
+        A few imagined outliers, spread like the values at large, keep it broad where hardly
+        anything is wrong.
+        """
+        values = y[known]
+        centre, breadth = float(np.median(values)), float(max(np.std(values), _NARROWEST))
+        if wrong is None:
+            return cls(centre, breadth)
+        weights = np.broadcast_to(wrong[:, None], y.shape)[known] / y.shape[1]
+        total = float(weights.sum()) + _IMAGINED
+        mean = (float(weights @ values) + _IMAGINED * centre) / total
+        spread = float(weights @ (values - mean) ** 2) + _IMAGINED * (
+            breadth**2 + (centre - mean) ** 2
+        )
+        return cls(mean, max(float(np.sqrt(spread / total)), _NARROWEST))
+
+    def log_density(self, y: FloatArray, known: BoolArray) -> FloatArray:
+        """Return ln O_i (n,)."""
+        broad = (1.0 - _FLOOR) * _normal(y - self.centre, self.breadth)
+        return mean_known(np.log(broad + _FLOOR * _normal(y - self.centre, 5.0)), known)
+
+
+def _normal(x: FloatArray, width: float) -> FloatArray:
+    return np.asarray(np.exp(-0.5 * (x / width) ** 2) / (width * np.sqrt(2.0 * np.pi)) + 1e-30)
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What the mixture makes of residuals."""
+
+    responsibility: FloatArray
+    """r (n,) in [0, 1]; 0 where nothing is known."""
+    log_likelihood: FloatArray
+    """ln((1 - pi) N_i + pi O_i) (n,); 0 where nothing is known."""
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """The share of outliers pi, and the background they come from."""
+
+    share: float
+    background: Background
+
+    def judge(
+        self, y: FloatArray, mean: FloatArray, variance: FloatArray, known: BoolArray
+    ) -> Verdict:
+        """Judge y (n, c) against predictions `mean` (n, c) of variance (n,), noise included."""
+        residual = np.where(known, y - mean, 0.0)
+        spread = variance[:, None]
+        log_normal = mean_known(
+            -0.5 * (residual * residual / spread + np.log(spread) + _LOG_TWO_PI), known
+        )
+        right = np.log1p(-self.share) + log_normal
+        wrong = np.log(self.share) + self.background.log_density(y, known)
+        total = np.logaddexp(right, wrong)
+        any_known = known.any(axis=1)
+        return Verdict(
+            np.where(any_known, np.exp(right - total), 0.0), np.where(any_known, total, 0.0)
+        )
+
+    def updated(self, y: FloatArray, verdict: Verdict, known: BoolArray) -> Mixture:
+        """Return the mixture that fits the responsibilities (n,); its share within (0, 1)."""
+        rows = float(known.any(axis=1).sum())
+        wrong = np.where(known.any(axis=1), 1.0 - verdict.responsibility, 0.0)
+        share = (float(wrong.sum()) + _PRIOR_WRONG) / (rows + _PRIOR_WRONG + _PRIOR_RIGHT)
+        return Mixture(share, Background.of(y, known, wrong))
+
+
+def mean_known(values: FloatArray, known: BoolArray) -> FloatArray:
+    """Return the mean of values (n, c) over the known entries of each row, 0 where none is."""
+    count = np.maximum(known.sum(axis=1), 1)
+    return np.asarray(np.where(known, values, 0.0).sum(axis=1) / count)
