@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from brdfit.reconstruct import LocalBasis as LocalBasis
     from brdfit.reconstruct import Outcome as Outcome
     from brdfit.reconstruct import PcaRidge as PcaRidge
+    from brdfit.reconstruct import Posterior as Posterior
     from brdfit.reconstruct import Reconstruction as Reconstruction
     from brdfit.reconstruct import Tabulated as Tabulated
     from brdfit.reconstruct import fit as fit
@@ -47,6 +48,7 @@ _HOME = {
     "LocalBasis": "reconstruct",
     "Outcome": "reconstruct",
     "PcaRidge": "reconstruct",
+    "Posterior": "reconstruct",
     "Population": "populations",
     "Reconstruction": "reconstruct",
     "Samples": "samples",

@@ -14,6 +14,7 @@ from brdfit.reconstruct.global_basis import GlobalBasis
 from brdfit.reconstruct.local_basis import LocalBasis
 from brdfit.reconstruct.outcome import Outcome
 from brdfit.reconstruct.pca_ridge import PcaRidge
+from brdfit.reconstruct.posterior import Posterior
 from brdfit.reconstruct.result import Method, Reconstruction
 from brdfit.reconstruct.tabulated import Tabulated
 from brdfit.samples import Samples
@@ -26,6 +27,7 @@ __all__ = [
     "Method",
     "Outcome",
     "PcaRidge",
+    "Posterior",
     "Reconstruction",
     "Tabulated",
     "fit",
@@ -33,7 +35,7 @@ __all__ = [
 
 METHODS: dict[str, type] = {
     method.name: method
-    for method in (CorrectionFunctions, GlobalBasis, PcaRidge, LocalBasis, Tabulated)
+    for method in (CorrectionFunctions, Posterior, GlobalBasis, PcaRidge, LocalBasis, Tabulated)
 }
 """Name -> class of settings."""
 

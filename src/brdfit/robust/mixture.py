@@ -46,7 +46,7 @@ class Background:
         anything is wrong.
         """
         values = y[known]
-        centre, breadth = float(np.median(values)), float(max(np.std(values), _NARROWEST))
+        centre, breadth = float(np.median(values)), max(float(np.std(values)), _NARROWEST)
         if wrong is None:
             return cls(centre, breadth)
         weights = np.broadcast_to(wrong[:, None], y.shape)[known] / y.shape[1]

@@ -112,7 +112,9 @@ def _states(
         left_out = posterior.left_out(y, fitted)
         known = data.informative(fitted + base[:, None])
         spread = left_out.variance + variance
-        verdict = belief.mixture.judge(y + base[:, None], left_out.mean + base[:, None], spread, known)
+        verdict = belief.mixture.judge(
+            y + base[:, None], left_out.mean + base[:, None], spread, known
+        )
         belief = Belief(
             verdict.responsibility,
             _width(belief.width, verdict, y - left_out.mean, spread, known),

@@ -133,8 +133,9 @@ def _functions(scale: Scale) -> LocalResidual:
     # The half vector's pole is left soon (u is stretched there), that of theta_d like a sine.
     fade_u = np.minimum(np.sin(x**3 * np.pi / 2) / 0.3, 1.0)
     fade_v = np.sin(x * np.pi / 2)
-    flat = _eigenfunctions(scale.along_u, np.ones(_NODES)), _eigenfunctions(
-        scale.along_v, np.ones(_NODES)
+    flat = (
+        _eigenfunctions(scale.along_u, np.ones(_NODES)),
+        _eigenfunctions(scale.along_v, np.ones(_NODES)),
     )
     faded = _eigenfunctions(scale.along_u, fade_u), _eigenfunctions(scale.along_v, fade_v)
     kinds = [(0, False), *((h, sine) for h in range(1, _HARMONICS + 1) for sine in (False, True))]

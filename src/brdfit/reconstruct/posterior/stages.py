@@ -9,11 +9,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from brdfit.arrays import FloatArray
+from brdfit.progress import Progress, silent
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.prior import PopulationPrior, closer, population_prior
 from brdfit.reconstruct.posterior.refine import Belief, Explanation, refine
@@ -22,6 +23,8 @@ from brdfit.reconstruct.posterior.starts import WIDE, starting_beliefs
 from brdfit.robust import Background, Mixture
 
 __all__ = ["Design", "Kernel", "Search", "Winner", "explain"]
+
+_LABEL = "posterior"
 
 Angles = tuple[FloatArray, FloatArray, FloatArray]
 
@@ -41,7 +44,10 @@ class Search:
     kernels: tuple[Kernel, ...]
     starts: int = 6
     first_steps: int = 12
-    second_steps: int = 6
+    second_steps: int = 10
+    last_steps: int = 4
+    rows: int = 3000
+    """Samples that the search looks at; the rest join in when it is over."""
     leading: int = 80
     """Directions of the prior in the first stage."""
     nearest: int = 10
@@ -83,25 +89,57 @@ class Winner:
     explanation: Explanation
     tried: int
 
+    def features(self, components: FloatArray, angles: Angles) -> tuple[FloatArray, FloatArray]:
+        """Return (base (n,), features (n, d)) at [mu | B] (n, 1 + q) and angles."""
+        return _features(self.prior, self.kernel, components, angles)
 
-def explain(data: Measurements, design: Design, search: Search) -> Winner:
-    """Return the best explanation of `data`, whose population is `design`."""
+    def judge(self, data: Measurements, base: FloatArray, features: FloatArray) -> Belief:
+        """Return what the coefficients make of other samples than they were fitted to."""
+        belief = self.explanation.belief
+        mean = base[:, None] + features @ self.explanation.coefficients
+        spread = self.explanation.posterior.variance(features) + belief.width**2 + data.scatter
+        verdict = belief.mixture.judge(data.y, mean, spread, data.informative(mean))
+        return Belief(verdict.responsibility, belief.width, belief.mixture)
+
+
+def explain(
+    data: Measurements, design: Design, search: Search, progress: Progress = silent
+) -> Winner:
+    """Return the best explanation of `data`, whose population is `design`.
+
+    The search looks at `Search.rows` of the samples; its winner is brought to rest on all.
+    """
+    some = data.spread_out(search.rows)
+    if len(some) < len(data):
+        found = _explained(data.take(some), design.take(some), search, progress)
+        base, features = found.features(design.components, design.angles)
+        belief = found.judge(data, base, features)
+        explained = refine(data, base, features, belief, search.last_steps)
+        return replace(found, explanation=explained)
+    return _explained(data, design, search, progress)
+
+
+def _explained(data: Measurements, design: Design, search: Search, progress: Progress) -> Winner:
     prior = population_prior(design.axes, design.weights)
     columns = design.columns()
     base = prior.log_mean(design.components)
+    progress(_LABEL, 0, 2)
     first = _by_population(data, design, prior, np.column_stack([columns, base]), search)
+    progress(_LABEL, 1, 2)
     weights = _closer_weights(design, columns, first, search)
     prior = population_prior(design.axes, weights)
-    return _with_residual(data, design, prior, first, search)
+    found = _with_residual(data, design, prior, first, search)
+    progress(_LABEL, 2, 2)
+    return found
 
 
-def features_of(
-    design: Design, prior: PopulationPrior, kernel: Kernel
+def _features(
+    prior: PopulationPrior, kernel: Kernel, components: FloatArray, angles: Angles
 ) -> tuple[FloatArray, FloatArray]:
     """Return (base (n,), features (n, d)): population, brightness, local residual."""
-    local = LocalResidual.of(kernel.scale).at(design.angles)
-    features = np.hstack([prior.features(design.components), kernel.amplitude * local])
-    return prior.log_mean(design.components), features
+    local = LocalResidual.of(kernel.scale).at(angles)
+    features = np.hstack([prior.features(components), kernel.amplitude * local])
+    return prior.log_mean(components), features
 
 
 def _by_population(
@@ -149,7 +187,7 @@ def _with_residual(
     starts = [first.belief, everybody(data)]
     best: Winner | None = None
     for kernel in search.kernels:
-        base, features = features_of(design, prior, kernel)
+        base, features = _features(prior, kernel, design.components, design.angles)
         for belief in starts:
             explained = refine(data, base, features, belief, search.second_steps)
             if best is None or explained.score > best.explanation.score:
@@ -162,5 +200,3 @@ def everybody(data: Measurements) -> Belief:
     """Return the belief that every sample is right."""
     mixture = Mixture(0.05, Background.of(data.y, data.known))
     return Belief(np.ones(len(data)), WIDE, mixture)
-
-

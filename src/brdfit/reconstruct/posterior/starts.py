@@ -39,8 +39,8 @@ def starting_beliefs(data: Measurements, columns: FloatArray, count: int) -> lis
     found = []
     for quantiles in _QUANTILES:
         shift, score = _best_shifts(difference, quantiles, mixture)
-        for index in np.argsort(-score, kind="stable")[:each]:
-            found.append(_belief(data, columns[:, index] + shift[index], mixture))
+        best = np.argsort(-score, kind="stable")[:each]
+        found += [_belief(data, columns[:, index] + shift[index], mixture) for index in best]
     shift, _ = _best_shifts(difference[:, -1:], sum(_QUANTILES, ()), mixture)
     return [*found, _belief(data, columns[:, -1] + shift[0], mixture)]
 

@@ -1,0 +1,135 @@
+"""The settings of `Posterior`, and a fit from samples to a reconstruction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from brdfit.errors import SampleError
+from brdfit.populations import Population, population
+from brdfit.progress import Progress, silent
+from brdfit.reconstruct.checks import check_above, check_count
+from brdfit.reconstruct.outcome import Outcome
+from brdfit.reconstruct.outliers import FEWEST
+from brdfit.reconstruct.posterior.measurements import Measurements
+from brdfit.reconstruct.posterior.model import PosteriorModel
+from brdfit.reconstruct.posterior.principal import column_weights, principal_basis
+from brdfit.reconstruct.posterior.residual import Scale
+from brdfit.reconstruct.posterior.stages import Design, Kernel, Search, Winner, explain
+from brdfit.reconstruct.result import Reconstruction, population_record
+from brdfit.reconstruct.targets import Targets
+from brdfit.samples import Samples
+
+__all__ = ["Posterior"]
+
+# Length scales along u and v, and amplitudes, that are tried. Chosen by hand on twelve of the
+# materials that `brdfit bench sweep` sets apart.
+_TRIED = ((0.2, 0.3, 0.1), (0.2, 0.3, 0.3), (0.1, 0.2, 0.3), (0.2, 0.3, 1.0))
+# A sample that is more likely wrong than right is named.
+_HALF = 0.5
+_MOST_SAMPLES = 50_000
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Gaussian process on ln f_r: a population, a local residual, explicit outliers."""
+
+    name: ClassVar[str] = "posterior"
+
+    population: str | Population = "published"
+    """Materials to lean on: published, synthetic, embedded, nbrdf, an archive, or a folder."""
+    noise_floor: float = 1e-4
+    """1/sr: absolute noise; far below it a measurement says little."""
+    starts: int = 6
+    """Members of the population that the search starts from, beside their mean."""
+    residual_size: int = 600
+    """Functions that describe how a material leaves the population."""
+
+    def __post_init__(self) -> None:
+        check_above("noise_floor", self.noise_floor, 0.0)
+        check_count("starts", self.starts, 3)
+        check_count("residual_size", self.residual_size, 50)
+
+    def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
+        """Return the reconstruction of `samples` (any number of channels).
+
+        Raises `SampleError` where no sample is usable or there are more than 50,000,
+        `PopulationError` where the population cannot be had.
+        """
+        samples.require_usable()
+        materials = population(self.population)
+        basis = principal_basis(materials, progress)
+        data = Measurements.of(samples, self.noise_floor)
+        if len(data) > _MOST_SAMPLES:
+            raise SampleError(
+                f"{samples.source.name}: {len(data)} usable samples but the posterior takes at "
+                f"most {_MOST_SAMPLES}. Thin them out, or use another method."
+            )
+        wi, wo = samples.wi[data.rows], samples.wo[data.rows]
+        theta_h, theta_d, phi_d = (angle[data.rows] for angle in samples.half_diff)
+        design = Design(
+            basis.at(wi, wo), basis.axes, column_weights(materials), (theta_h, theta_d, phi_d)
+        )
+        winner = explain(data, design, self.search(), progress)
+        return self._result(samples, materials, data, PosteriorModel(basis, winner))
+
+    def search(self) -> Search:
+        """Return what the fit tries."""
+        kernels = tuple(Kernel(Scale(u, v, self.residual_size), a) for u, v, a in _TRIED)
+        return Search(kernels, starts=self.starts)
+
+    def _result(
+        self,
+        samples: Samples,
+        materials: Population,
+        data: Measurements,
+        model: PosteriorModel,
+    ) -> Reconstruction:
+        explained = model.winner.explanation
+        weights = np.zeros(samples.value.shape)
+        weights[data.rows] = explained.belief.responsibility[:, None]
+        weights *= samples.usable
+        estimate = np.zeros(samples.value.shape)
+        estimate[data.rows] = explained.mean
+        residuals = np.where(samples.usable, Targets.of(samples).residual(estimate), np.nan)
+        outliers = np.zeros(len(samples), dtype=bool)
+        outliers[data.rows] = explained.belief.responsibility < _HALF
+        return Reconstruction(
+            samples=samples,
+            method=self,
+            model=model,
+            channel_weights=weights,
+            residuals=residuals,
+            initial_residuals=residuals,
+            outliers=outliers,
+            outlier_rule=(
+                f"more likely wrong than right given all others; noise of a good sample "
+                f"{explained.belief.width:.3f} in ln f_r"
+            ),
+            outcome=_outcome(len(data), int(outliers.sum()), explained.settled),
+            iterations=explained.steps,
+            population=population_record(materials),
+            history=(_figures(model.winner),),
+        )
+
+
+def _outcome(usable: int, wrong: int, settled: bool) -> Outcome:
+    if usable < FEWEST:
+        return Outcome.TOO_FEW_SAMPLES
+    if 2 * wrong > usable:
+        return Outcome.MOSTLY_OUTLIERS
+    return Outcome.CONVERGED if settled else Outcome.ITERATION_LIMIT
+
+
+def _figures(winner: Winner) -> dict[str, float]:
+    belief = winner.explanation.belief
+    return {
+        "noise": belief.width,
+        "outlier_share": belief.mixture.share,
+        "residual_amplitude": winner.kernel.amplitude,
+        "length_u": winner.kernel.scale.along_u,
+        "length_v": winner.kernel.scale.along_v,
+        "left_out_log_likelihood": winner.explanation.score,
+    }
