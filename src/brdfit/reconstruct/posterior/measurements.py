@@ -24,11 +24,12 @@ __all__ = ["Measurements"]
 
 @dataclass(frozen=True, eq=False)
 class Measurements:
-    """n usable rows in canonical order.
+    """n usable rows in canonical order; a copy of a row is not a second witness.
 
     | name       | shape  | meaning                                                      |
     |------------|--------|--------------------------------------------------------------|
-    | `rows`     | (n,)   | which of the samples                                         |
+    | `rows`     | (n,)   | which of the samples, the first of its copies                |
+    | `place`    | (m,)   | row of each of the m samples, -1 where unusable              |
     | `y`        | (n, c) | ln f_r, or ln of the bound where censored; 0 where unknown   |
     | `known`    | (n, c) | there is a value or a bound                                  |
     | `censored` | (n, c) | only a bound                                                 |
@@ -36,6 +37,7 @@ class Measurements:
     """
 
     rows: IntArray
+    place: IntArray
     y: FloatArray
     known: BoolArray
     censored: BoolArray
@@ -45,8 +47,9 @@ class Measurements:
     def of(cls, samples: Samples, floor: float) -> Measurements:
         """Take the usable rows of `samples`; `floor` is the absolute noise, 1/sr."""
         targets = Targets.of(samples)
-        rows = np.flatnonzero(targets.usable.any(axis=1))
-        rows = rows[_canonical_order(samples, rows)]
+        usable = np.flatnonzero(targets.usable.any(axis=1))
+        ordered = usable[_canonical_order(samples, usable)]
+        rows, place = _without_copies(samples, ordered)
         known, censored = targets.usable[rows], targets.censored[rows]
         y = np.where(known, targets.log_value[rows], 0.0)
         level = np.exp(np.where(known, y, 0.0).sum(axis=1) / known.sum(axis=1))
@@ -55,7 +58,7 @@ class Measurements:
             stated = np.where(known & np.isfinite(samples.sigma[rows]), samples.sigma[rows], 0.0)
             relative = stated / np.maximum(np.exp(y), 1e-12)
             scatter += np.minimum((relative**2).sum(axis=1) / known.sum(axis=1), 100.0)
-        return cls(rows, y, known, censored, scatter)
+        return cls(rows, place, y, known, censored, scatter)
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -76,6 +79,7 @@ class Measurements:
         """Return some of the rows."""
         return Measurements(
             self.rows[index],
+            self.place,
             self.y[index],
             self.known[index],
             self.censored[index],
@@ -99,3 +103,13 @@ def _canonical_order(samples: Samples, rows: IntArray) -> IntArray:
     key = np.modf(theta_h * 7919.0 + theta_d * 104729.0 + np.mod(phi_d, np.pi) * 1299709.0)[0]
     value = np.nan_to_num(samples.value[rows], nan=-1.0)
     return np.lexsort((*np.sort(value, axis=1).T, phi_d, theta_d, theta_h, key))
+
+
+def _without_copies(samples: Samples, rows: IntArray) -> tuple[IntArray, IntArray]:
+    """Return (rows, place) with neighbours of the same directions and values made one."""
+    content = np.column_stack([*(angle[rows] for angle in samples.half_diff), samples.value[rows]])
+    same = (content[1:] == content[:-1]) | (np.isnan(content[1:]) & np.isnan(content[:-1]))
+    first = np.concatenate([np.ones(min(len(rows), 1), dtype=bool), ~same.all(axis=1)])
+    place = np.full(len(samples), -1, dtype=np.int64)
+    place[rows] = np.cumsum(first) - 1
+    return rows[first], place

@@ -88,19 +88,18 @@ class Posterior:
         model: PosteriorModel,
     ) -> Reconstruction:
         explained = model.winner.explanation
-        weights = np.zeros(samples.value.shape)
-        weights[data.rows] = explained.belief.responsibility[:, None]
-        weights *= samples.usable
-        estimate = np.zeros(samples.value.shape)
-        estimate[data.rows] = explained.mean
-        residuals = np.where(samples.usable, Targets.of(samples).residual(estimate), np.nan)
-        outliers = np.zeros(len(samples), dtype=bool)
-        outliers[data.rows] = explained.belief.responsibility < _HALF
+        used = data.place >= 0
+        place = np.where(used, data.place, 0)
+        responsibility = np.where(used, explained.belief.responsibility[place], 0.0)
+        residuals = np.full(samples.value.shape, np.nan)
+        residuals[used] = Targets.of(samples).take(used).residual(explained.mean[place[used]])
+        residuals[~samples.usable] = np.nan
+        outliers = used & (responsibility < _HALF)
         return Reconstruction(
             samples=samples,
             method=self,
             model=model,
-            channel_weights=weights,
+            channel_weights=responsibility[:, None] * samples.usable,
             residuals=residuals,
             initial_residuals=residuals,
             outliers=outliers,
@@ -108,7 +107,7 @@ class Posterior:
                 f"more likely wrong than right given all others; noise of a good sample "
                 f"{explained.belief.width:.3f} in ln f_r"
             ),
-            outcome=_outcome(len(data), int(outliers.sum()), explained.settled),
+            outcome=_outcome(int(used.sum()), int(outliers.sum()), explained.settled),
             iterations=explained.steps,
             population=population_record(materials),
             history=(_figures(model.winner),),

@@ -16,19 +16,17 @@ are asked at single directions; for very many directions the grid is interpolate
 from __future__ import annotations
 
 import json
-import shutil
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
-from brdfit.files import sha256_of_bytes
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import MERL_GRID, Grid
-from brdfit.populations import Population, cache_folder, remember
-from brdfit.populations.cache import locked
+from brdfit.populations import Population, remember
+from brdfit.populations.matrix import remember_rows
 from brdfit.populations.store import stored_cells
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.correction_basis import training_cells
@@ -82,31 +80,17 @@ class PrincipalBasis:
     def on_grid(self, grid: Grid, progress: Progress = silent) -> GridComponents:
         """Return mu and B at the cells of a grid, built on first use."""
         cells, expand = stored_cells(grid, self.population.source.bilateral)
-        name = json.dumps([self.population.fingerprint, grid.shape, self.size, _VERSION])
-        path = cache_folder("principal") / f"{sha256_of_bytes(name.encode())[:24]}.npy"
-        if not path.exists():
-            with locked(path):
-                if not path.exists():
-                    self._build(path, grid, cells, progress)
-        return GridComponents(grid, cells, expand, np.load(path, mmap_mode="r"))
+        key = json.dumps([self.population.fingerprint, grid.shape, self.size, _VERSION])
 
-    def _build(self, path: Path, grid: Grid, cells: IntArray, progress: Progress) -> None:
-        aside = path.with_name(f"{path.stem}.part.npy")
-        shape = (cells.size, 1 + self.size)
-        _need_room(path.parent, 4 * shape[0] * shape[1])
-        try:
-            stored = np.lib.format.open_memmap(aside, mode="w+", dtype=np.float32, shape=shape)
+        def blocks() -> Iterator[FloatArray]:
             for start in range(0, cells.size, _CHUNK):
                 progress(_LABEL, start, cells.size)
-                block = cells[start : start + _CHUNK]
-                members = MemberRows.at(self.population, *grid.directions(block))
-                stored[start : start + block.size] = self.of_members(members)
-            stored.flush()
-            del stored
-            aside.replace(path)
-        finally:
-            aside.unlink(missing_ok=True)
-        progress(_LABEL, cells.size, cells.size)
+                directions = grid.directions(cells[start : start + _CHUNK])
+                yield self.of_members(MemberRows.at(self.population, *directions))
+            progress(_LABEL, cells.size, cells.size)
+
+        rows = remember_rows("principal", key, (cells.size, 1 + self.size), blocks)
+        return GridComponents(grid, cells, expand, rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,14 +152,3 @@ def column_weights(population: Population) -> FloatArray:
     members[population.pick] = population.weights
     channels = len(population.channels)
     return np.tile(members / channels, channels)
-
-
-def _need_room(folder: Path, size: int) -> None:
-    from brdfit.errors import PopulationError
-
-    free = shutil.disk_usage(folder).free
-    if free < size + (64 << 20):
-        raise PopulationError(
-            f"{folder}: the principal components need {size >> 20} MB but {free >> 20} MB are "
-            f"free. Make room, or name another folder in BRDFIT_CACHE."
-        )
