@@ -10,7 +10,6 @@ from brdfit.bench.paper.settings import PaperSettings
 from brdfit.errors import UsageError
 from brdfit.grid import Grid
 from brdfit.progress import silent
-from brdfit.table import Table
 
 GRID = Grid(18, 15, 20)
 SETTINGS = PaperSettings(universe=0.3, image_size=12, grid=GRID)
@@ -55,12 +54,18 @@ def test_the_reference_itself_has_no_perceptual_error_and_another_has(scene):
     assert scene.perceptual_error(1, scene.reference(2)) > 1.0
 
 
-def test_the_target_suffices_for_the_picture_of_the_whole_table(scene, toy_population):
-    values = np.zeros((GRID.size, 3))
-    values[GRID.cells] = toy_population.evaluate(*GRID.directions(GRID.cells))[:, 0]
-    table = Table(values=values.reshape(*GRID.shape, 3), grid=GRID)
-    whole = scene.plan.sphere.shade(table, scene.plan.illumination)
-    assert np.allclose(scene.plan.shade(scene.reference(0)), whole, rtol=1e-4, atol=1e-6)
+class OneMember:
+    def __init__(self, population, member):
+        self.population, self.member = population, member
+
+    def evaluate(self, wi, wo):
+        return self.population.evaluate(wi, wo)[:, self.member].astype(np.float64)
+
+
+def test_the_target_suffices_for_the_picture_of_the_material(scene, toy_population):
+    material = OneMember(toy_population, 0)
+    whole = scene.view.sphere.shade(material, scene.view.illumination)
+    assert np.allclose(scene.view.shade(scene.reference(0)), whole, rtol=1e-4, atol=1e-6)
 
 
 def test_outliers_depend_on_the_case_and_on_nothing_else(scene, toy_population):

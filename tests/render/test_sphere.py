@@ -7,7 +7,7 @@ import pytest
 
 from brdfit.errors import UsageError
 from brdfit.grid import Grid
-from brdfit.render import ILLUMINATIONS, Illumination, Sphere, SpherePlan, area_studio, studio
+from brdfit.render import ILLUMINATIONS, Illumination, Sphere, SphereView, area_studio, studio
 from brdfit.table import Table
 
 COARSE = Grid(20, 18, 24)
@@ -130,29 +130,21 @@ def test_a_chunk_at_a_time_gives_the_image_of_all_at_once(monkeypatch):
 
 
 @pytest.mark.parametrize("channels", [3, 1])
-def test_the_plan_agrees_with_direct_shading_of_a_table(channels):
+def test_the_view_agrees_with_direct_shading(channels):
     sphere, light = Sphere(24), studio()
-    table = table_of(Lobe(), COARSE)
-    if channels == 1:
-        table = Table(values=table.values[..., 1], grid=COARSE)
-    plan = SpherePlan.build(sphere, light, COARSE)
-    values = table.values.reshape(COARSE.size, channels)[plan.cells]
-    direct = sphere.shade(table, light)
-    np.testing.assert_allclose(plan.shade(values), direct, rtol=1e-12, atol=1e-14)
+    brdf = Lobe() if channels == 3 else Lambert(0.5)
+    view = SphereView.build(sphere, light)
+    values = brdf.evaluate(view.queries.wi, view.queries.wo)
+    assert values.shape == (len(view), channels)
+    direct = sphere.shade(brdf, light)
+    np.testing.assert_allclose(view.shade(values), direct, rtol=1e-12, atol=1e-14)
     assert direct.max() > 0.1
 
 
-def test_the_plan_looks_only_at_cells_above_the_horizon_in_ascending_order():
-    plan = SpherePlan.build(Sphere(16), studio(), COARSE)
-    assert np.all(np.diff(plan.cells) > 0)
-    assert COARSE.above_horizon.reshape(-1)[plan.cells].all()
-    assert plan.cells.size < COARSE.cells.size
-
-
-def test_the_plan_refuses_values_that_are_not_one_row_a_cell():
-    plan = SpherePlan.build(Sphere(8), studio(), COARSE)
-    with pytest.raises(UsageError, match=f"looks at {plan.cells.size} cells"):
-        plan.shade(np.ones((COARSE.size, 3)))
+def test_the_view_refuses_values_that_are_not_one_row_a_direction():
+    view = SphereView.build(Sphere(8), studio())
+    with pytest.raises(UsageError, match=f"asks for {len(view)} directions"):
+        view.shade(np.ones((len(view) + 1, 3)))
 
 
 def test_the_studio_has_the_constants_of_its_definition():
@@ -184,9 +176,9 @@ def test_a_finer_area_studio_lights_a_matte_sphere_the_same():
     np.testing.assert_allclose(a, b, rtol=2e-2, atol=2e-3 * b.max())
 
 
-def test_a_plan_refuses_a_surround_and_says_what_to_use():
+def test_a_view_refuses_a_surround_and_says_what_to_use():
     with pytest.raises(UsageError, match=r"'area_studio' has a surround .* Sphere\.shade"):
-        SpherePlan.build(Sphere(8), area_studio(), COARSE)
+        SphereView.build(Sphere(8), area_studio())
 
 
 def test_shading_tells_its_progress_from_the_first_pixel_to_the_last():

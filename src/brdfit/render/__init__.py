@@ -4,9 +4,9 @@
     brdf = ForDisplay.of(table, table.wavelengths, table.channels)
     image = sphere.shade(brdf, studio())           # linear sRGB (64, 64, 3), or one grey channel
 
-Anything with `evaluate(wi, wo)` can be shaded. `SpherePlan` shades thousands of tables on one
-grid; `to_rgb` turns spectral bands into linear sRGB. No files here, and no display: see
-`brdfit.tone` for exposure and the sRGB curve.
+Anything with `evaluate(wi, wo)` can be shaded. `SphereView` shades thousands of them from
+their values at the same directions; `to_rgb` turns spectral bands into linear sRGB. No files
+here, and no display: see `brdfit.tone` for exposure and the sRGB curve.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from brdfit.render.illumination import (
     studio,
 )
 from brdfit.render.panorama import panorama_lights
-from brdfit.render.plan import SpherePlan
 from brdfit.render.slices import IncidenceSlices, half_difference_image, incidence_slices
 from brdfit.render.spectral import (
     ForDisplay,
@@ -33,6 +32,7 @@ from brdfit.render.spectral import (
 )
 from brdfit.render.sphere import Queries, Sphere
 from brdfit.render.under_environment import shade_under
+from brdfit.render.view import SphereView
 
 __all__ = [
     "ILLUMINATIONS",
@@ -44,7 +44,7 @@ __all__ = [
     "Queries",
     "Rectangle",
     "Sphere",
-    "SpherePlan",
+    "SphereView",
     "area_studio",
     "display_matrix",
     "half_difference_image",

@@ -26,7 +26,7 @@ from brdfit.progress import Progress, silent
 from brdfit.render.illumination import Illumination
 from brdfit.tone import LUMINANCE
 
-__all__ = ["Queries", "Sphere", "in_channels"]
+__all__ = ["Queries", "Sphere", "in_channels", "sum_by"]
 
 # Pairs at a time: enough to amortise a call, few enough to stay in cache.
 _CHUNK = 40_000
@@ -119,7 +119,7 @@ class Sphere:
             value = brdf.evaluate(queries.wi, queries.wo)
             amount = in_channels(illumination.irradiance, value.shape[1])[queries.light]
             light = value * amount * queries.cosine[:, None]
-            disk.append(_sum_by(queries.pixel, light, per_chunk))
+            disk.append(sum_by(queries.pixel, light, per_chunk))
             progress("shading", min(len(disk) * per_chunk, total), total)
         shaded = np.concatenate(disk)[:total]
         if any(illumination.surround):
@@ -158,6 +158,7 @@ def in_channels(light: FloatArray, channels: int) -> FloatArray:
     return np.repeat(dot(light, np.asarray(LUMINANCE))[:, None], channels, axis=1)
 
 
-def _sum_by(group: IntArray, value: FloatArray, n: int) -> FloatArray:
+def sum_by(group: IntArray, value: FloatArray, n: int) -> FloatArray:
+    """Return the sums (n, c) of the rows of value (m, c) that share a group in [0, n)."""
     columns = [np.bincount(group, weights=column, minlength=n) for column in value.T]
     return np.stack(columns, axis=1)

@@ -14,6 +14,7 @@ from brdfit.bench.paper.principal import Principal
 from brdfit.bench.paper.scene import Scene
 from brdfit.bench.paper.settings import METRICS
 from brdfit.bench.paper.tab_operator import TabOperator
+from brdfit.geometry import half_diff_from_directions
 from brdfit.linalg import NormalEquations, nonnegative
 from brdfit.reconstruct.combination import Combination, encode_members
 from brdfit.reconstruct.correction_basis import CorrectionBasis, MemberGram
@@ -244,10 +245,9 @@ class Splined:
         """Return the equations at the cells of the case."""
         space = self.method.space
         if id(scene) not in self._target:
-            self._target[id(scene)] = space.design(*scene.half_diff(scene.target)).astype(
-                np.float32
-            )
-        design = space.design(*scene.half_diff(scene.universe[case.rows]))
+            design = space.design(*half_diff_from_directions(*scene.target))
+            self._target[id(scene)] = design.astype(np.float32)
+        design = space.design(*half_diff_from_directions(*scene.directions(case.rows)))
         return SplineSystem(design, self._target[id(scene)], self.method.solver(design))
 
     def reconstruct(
@@ -283,8 +283,8 @@ class Interpolated:
     def prepare(self, scene: Scene, case: Case) -> TabOperator:
         """Return the weights from the cells of the case to the target."""
         samples, places = (
-            half_diff_features(*scene.half_diff(cells))
-            for cells in (scene.universe[case.rows], scene.target)
+            half_diff_features(*half_diff_from_directions(*directions))
+            for directions in (scene.directions(case.rows), scene.target)
         )
         return TabOperator.build(self.method, samples, places)
 

@@ -150,7 +150,7 @@ class Run:
             subject = scene.names.index(name)
             values = work.values("our", work.case(subject, data), outliers)
             error = scene.perceptual_error(subject, values)
-            pair = [scene.plan.shade(one) for one in (scene.reference(subject), values)]
+            pair = [scene.view.shade(one) for one in (scene.reference(subject), values)]
             found.append((f"{name}\n{error:.2f}", pair[0], pair[1]))
             progress("worst spheres", index + 1, len(names))
         folder.mkdir(parents=True, exist_ok=True)

@@ -35,14 +35,13 @@ _TRAINING_ROWS = 20_000
 
 @dataclass(frozen=True, eq=False)
 class _Columns:
-    """L of every channel of every member at some cells (m, K), and the cosines there (m,)."""
+    """L of every channel of every member at directions (m, K), and the cosines there (m,)."""
 
     values: FloatArray
     cosine: FloatArray
 
     @classmethod
-    def of(cls, mapping: LogRelative, scene: Scene, logs: FloatArray, cells: IntArray) -> _Columns:
-        wi, wo = scene.settings.grid.directions(cells)
+    def of(cls, mapping: LogRelative, logs: FloatArray, wi: FloatArray, wo: FloatArray) -> _Columns:
         cosine = cosine_product(wi[:, 2], wo[:, 2])
         return cls(mapping.columns(MemberRows(tuple(logs)), cosine), cosine)
 
@@ -90,9 +89,9 @@ class Principal:
         """Return the columns at the samples, and their Gram matrix."""
         if self._scene != id(scene):
             self._scene, self._training = id(scene), None
-            self._target = _Columns.of(self._mapping, scene, scene.at_target, scene.target)
-        logs, cells = scene.at_universe[:, case.rows], scene.universe[case.rows]
-        samples = _Columns.of(self._mapping, scene, logs, cells)
+            self._target = _Columns.of(self._mapping, scene.at_target, *scene.target)
+        logs, directions = scene.at_universe[:, case.rows], scene.directions(case.rows)
+        samples = _Columns.of(self._mapping, logs, *directions)
         return _Prepared(samples, samples.gram())
 
     def reconstruct(
@@ -125,8 +124,8 @@ class Principal:
             return np.eye(columns.size)
         if self._training is None:
             rows = np.sort(scene.order[:_TRAINING_ROWS])
-            cells = scene.universe[rows]
-            training = _Columns.of(self._mapping, scene, scene.at_universe[:, rows], cells)
+            logs, directions = scene.at_universe[:, rows], scene.directions(rows)
+            training = _Columns.of(self._mapping, logs, *directions)
             self._training = training.gram()
         gram = centred_gram(self._training[np.ix_(columns, columns)])
         return principal_axes(gram)[:, :samples]

@@ -1,7 +1,7 @@
 """Everything that all cases of the poster's tables share: cells, columns, pictures.
 
 The *universe* is a stratified subset of the grid's cells: the measurements of data ratio 1.
-The *target* is the set of cells that the sphere of the perceptual error looks at: nothing
+The *target* is the set of directions that the sphere of the perceptual error asks for: nothing
 else of a reconstruction is ever seen, so nothing else is computed. The columns of the
 population, ln f_r of every member, are worked out once at both.
 """
@@ -18,10 +18,10 @@ from brdfit.arrays import FloatArray, IntArray, frozen
 from brdfit.bench.outliers import Contaminated, contaminate
 from brdfit.bench.paper.settings import PaperSettings
 from brdfit.bench.real_files import generator
-from brdfit.geometry import cos_incident_outgoing, half_diff_from_directions
+from brdfit.geometry import cos_incident_outgoing
 from brdfit.grid import Grid
 from brdfit.progress import Progress
-from brdfit.render import SpherePlan
+from brdfit.render import SphereView
 
 if TYPE_CHECKING:
     from brdfit.populations import Population
@@ -56,7 +56,7 @@ class Scene:
     | name        | shape                 | meaning                                        |
     |-------------|-----------------------|------------------------------------------------|
     | `universe`  | (n,)                  | flat cells that are measurements               |
-    | `target`    | (m,)                  | flat cells that the sphere looks at            |
+    | `target`    | (m, 3) twice          | directions (wi, wo) that the sphere asks for   |
     | `at_universe` | (channels, n, members) | ln f_r there, float32                       |
     | `at_target` | (channels, m, members) | ln f_r there, float32                         |
     | `materials` | (members,)            | number of the material of each member          |
@@ -68,7 +68,7 @@ class Scene:
 
     settings: PaperSettings
     names: tuple[str, ...]
-    plan: SpherePlan
+    view: SphereView
     universe: IntArray
     at_universe: FloatArray
     at_target: FloatArray
@@ -82,17 +82,20 @@ class Scene:
         from brdfit.render import Sphere, studio
 
         grid = settings.grid
-        plan = SpherePlan.build(Sphere(settings.image_size), studio(), grid)
+        view = SphereView.build(Sphere(settings.image_size), studio())
+        target = view.queries.wi, view.queries.wo
         count = max(1, round(settings.universe * grid.cells.size))
         universe = stratified(grid, count, generator(settings.seed, "universe"))
         material = np.unique(np.array(population.materials), return_inverse=True)[1]
         return cls(
             settings=settings,
             names=population.members,
-            plan=plan,
+            view=view,
             universe=frozen(universe),
-            at_universe=_columns(population, grid, universe, progress, "columns of the samples"),
-            at_target=_columns(population, grid, plan.cells, progress, "columns of the sphere"),
+            at_universe=_columns(
+                population, *grid.directions(universe), progress, "columns of the samples"
+            ),
+            at_target=_columns(population, *target, progress, "columns of the sphere"),
             materials=frozen(np.ravel(material)),
             subjects=frozen(cls.subjects_of(settings, population)),
             order=frozen(generator(settings.seed, "order").permutation(count)),
@@ -108,9 +111,9 @@ class Scene:
         return [int(member) for member in first]
 
     @property
-    def target(self) -> IntArray:
-        """(m,) flat cells that the sphere looks at."""
-        return self.plan.cells
+    def target(self) -> tuple[FloatArray, FloatArray]:
+        """(wi, wo), (m, 3) each: the directions that the sphere asks for."""
+        return self.view.queries.wi, self.view.queries.wo
 
     @property
     def n_channels(self) -> int:
@@ -121,12 +124,9 @@ class Scene:
         """Return the rows of the universe that are the data of this ratio, ascending."""
         return np.sort(self.order[: max(1, round(data_ratio * self.order.size))])
 
-    def half_diff(self, cells: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return (theta_h, theta_d, phi_d) of cells as a method finds them from directions.
-
-        At the poles that is phi_d = 0, whatever the cell's own.
-        """
-        return half_diff_from_directions(*self.settings.grid.directions(cells))
+    def directions(self, rows: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return (wi, wo), (rows, 3) each, of rows of the universe."""
+        return self.settings.grid.directions(self.universe[rows])
 
     def others(self, subject: int) -> IntArray:
         """Return the members that a reconstruction of `subject` may lean on."""
@@ -168,19 +168,18 @@ class Scene:
         """Return the perceptual error of f_r (m, channels) at the target against the member."""
         from brdfit.metrics import perceptual_error
 
-        images = [self.plan.disk(one)[:, None, :] for one in (self.reference(subject), values)]
+        images = [self.view.disk(one)[:, None, :] for one in (self.reference(subject), values)]
         return perceptual_error(images[0], images[1])
 
 
 def _columns(
-    population: Population, grid: Grid, cells: IntArray, progress: Progress, label: str
+    population: Population, wi: FloatArray, wo: FloatArray, progress: Progress, label: str
 ) -> FloatArray:
-    columns = np.empty((len(population.channels), cells.size, len(population)), dtype=np.float32)
-    progress(label, 0, cells.size)
-    for start in range(0, cells.size, _CHUNK):
-        block = cells[start : start + _CHUNK]
-        values = population.log_values(*grid.directions(block))
-        columns[:, start : start + block.size] = np.moveaxis(values, 2, 0)
-        progress(label, min(start + _CHUNK, cells.size), cells.size)
+    columns = np.empty((len(population.channels), len(wi), len(population)), dtype=np.float32)
+    progress(label, 0, len(wi))
+    for start in range(0, len(wi), _CHUNK):
+        block = slice(start, start + _CHUNK)
+        columns[:, block] = np.moveaxis(population.log_values(wi[block], wo[block]), 2, 0)
+        progress(label, min(start + _CHUNK, len(wi)), len(wi))
     columns.flags.writeable = False
     return columns
