@@ -80,7 +80,7 @@ QUESTIONS = (
     Question(
         "Correction functions: gamma and softening",
         "our",
-        _grid(gamma=(4.0, 8.0, 12.0), softening=(0.35, 0.7, 1.4)),
+        _grid(gamma=(8.0, 16.0, 32.0), softening=(0.35, 0.7, 1.4, 2.8)),
         _BOTH,
         "How fast the weight of a sample falls with its deviation, at the end (gamma) and while "
         "the estimate is still poor (softening). They interact.",
@@ -88,7 +88,7 @@ QUESTIONS = (
     Question(
         "Correction functions: damping",
         "our",
-        _grid(damping=(None, 1e-5, 1e-3)),
+        _grid(damping=(None, 1e-5, 1e-4, 1e-3, 1e-2)),
         _BOTH,
         "None is generalised cross-validation, which chooses from 1e-4 upwards anew for every "
         "correction.",
@@ -96,7 +96,7 @@ QUESTIONS = (
     Question(
         "Correction functions: iterations",
         "our",
-        _grid(iterations=(2, 4, 8, 16)),
+        _grid(iterations=(2, 4, 8, 16, 32)),
         _BOTH,
         "Largest number of corrections. The iterate of the smallest robust loss is kept, so "
         "that more of them must not make the result worse.",
@@ -121,7 +121,7 @@ QUESTIONS = (
         tuple(
             {"n_theta_h": size[0], "n_theta_d": size[1], "n_phi_d": size[2], "smoothing": smoothing}
             for size in _SIZES
-            for smoothing in (1e-4, 1e-3, 1e-2, 1e-1)
+            for smoothing in (1e-3, 1e-2, 1e-1, 1.0)
         ),
         (),
         "Weight of the roughness, and the number of splines along each angle.",

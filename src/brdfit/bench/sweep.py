@@ -46,7 +46,7 @@ class SweepSettings:
 
     scene: PaperSettings = _SCENE
     """Universe, ratios, outliers, picture and seed of `brdfit bench paper`."""
-    materials: int = 6
+    materials: int = 12
     """How many of the tuning materials are used, evenly spread; 0 is all."""
     questions: tuple[Question, ...] = QUESTIONS
 

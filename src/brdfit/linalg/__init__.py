@@ -10,6 +10,7 @@ from brdfit.linalg.normal_equations import (
     ridge,
     ridge_with_intercept,
 )
+from brdfit.linalg.threads import one_thread
 
 __all__ = [
     "CoefficientPosterior",
@@ -17,6 +18,7 @@ __all__ = [
     "NormalEquations",
     "RidgeFit",
     "nonnegative",
+    "one_thread",
     "ridge",
     "ridge_with_intercept",
 ]

@@ -25,7 +25,9 @@ __all__ = [
     "combine",
     "encode_members",
     "fit_combination",
+    "fit_weighted",
     "nearest_member",
+    "some_rows",
 ]
 
 # Of the draw of samples for a robust start: the same samples give the same result.
@@ -92,13 +94,12 @@ def fit_combination(
     Without `robust` this is plain least squares over all positive values, as published.
     With it, the nearest single member up to a scale starts, and Cauchy-weighted fits follow.
     """
-    if robust is not None and len(rows) > robust.rows:
-        usable = np.flatnonzero(targets.usable.any(axis=1))
-        some = np.sort(np.random.default_rng(_SEED).permutation(usable)[: robust.rows])
-        rows, targets = rows.take(some), targets.take(some)
-    problem = _Problem(rows, targets, roles, metric)
     if robust is None:
-        return problem.solve((targets.usable & ~targets.censored).astype(np.float64))
+        known = targets.usable & ~targets.censored
+        return _Problem(rows, targets, roles, metric).solve(known.astype(np.float64))
+    some = some_rows(targets, robust.rows)
+    rows, targets = rows.take(some), targets.take(some)
+    problem = _Problem(rows, targets, roles, metric)
     combination = problem.nearest(robust.scale)
     for _ in range(robust.iterations):
         log_estimate = combination.log_value(rows)
@@ -106,6 +107,26 @@ def fit_combination(
         weight = cauchy(np.where(known, targets.residual(log_estimate), 0.0), robust.scale)
         combination = problem.solve(pooled(weight, known, per_channel))
     return combination
+
+
+def fit_weighted(
+    rows: MemberRows,
+    targets: Targets,
+    roles: IntArray,
+    metric: ErrorMetric,
+    weights: FloatArray,
+) -> Combination:
+    """Fit with given weights (n, c) in [0, 1], at as many samples as a robust start looks at."""
+    some = some_rows(targets, RobustStart.rows)
+    return _Problem(rows.take(some), targets.take(some), roles, metric).solve(weights[some])
+
+
+def some_rows(targets: Targets, most: int) -> IntArray | slice:
+    """Return all rows, or of more than `most` so many usable ones, always the same draw."""
+    if len(targets.usable) <= most:
+        return slice(None)
+    usable = np.flatnonzero(targets.usable.any(axis=1))
+    return np.sort(np.random.default_rng(_SEED).permutation(usable)[:most])
 
 
 def nearest_member(

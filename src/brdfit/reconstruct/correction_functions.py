@@ -14,6 +14,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.grid import Grid
+from brdfit.linalg import one_thread
 from brdfit.populations import Population, population
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.checks import check_above, check_count
@@ -21,6 +22,7 @@ from brdfit.reconstruct.combination import (
     Combination,
     RobustStart,
     fit_combination,
+    fit_weighted,
     nearest_member,
 )
 from brdfit.reconstruct.correction_basis import CorrectionBasis, correction_basis
@@ -87,16 +89,16 @@ class CorrectionFunctions:
     """Materials to lean on: published, nbrdf, an archive of networks, or a folder of MERL files."""
     error_metric: str = "log"
     """Error metric of the initial estimate and of the correction basis: linear, root or log."""
-    gamma: float = 8.0
+    gamma: float = 16.0
     """How fast the weight of a sample falls with its relative deviation: exp(-gamma d)."""
-    softening: float = 0.7
+    softening: float = 1.4
     """While the estimate is poor, gamma is lowered to this over the 20th percentile of d."""
-    iterations: int = 8
+    iterations: int = 16
     """Largest number of corrections."""
     tolerance: float = 0.005
     """A correction whose rms of ln sigma is below this ends the iteration."""
-    damping: float | None = None
-    """Damping of the correction's coefficients; left out, generalised cross-validation chooses."""
+    damping: float | None = 1e-4
+    """Damping of the correction's coefficients; None lets generalised cross-validation choose."""
     sigma_limit: float = 4.0
     """One correction changes no value by more than this factor."""
     robust_start: bool = True
@@ -113,6 +115,7 @@ class CorrectionFunctions:
         if self.damping is not None:
             check_above("damping", self.damping, 0.0)
 
+    @one_thread()
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the reconstruction of `samples` (any number of channels).
 
@@ -145,6 +148,7 @@ class CorrectionFunctions:
             history=loop.history,
         )
 
+    @one_thread()
     def fit_rows(
         self,
         rows: MemberRows,
@@ -159,13 +163,7 @@ class CorrectionFunctions:
         For callers that fit many times at the same directions (benchmarks); `basis_values`
         (n, K) are the correction functions there, computed if left out.
         """
-        metric = error_metric(self.error_metric)
-        robust = RobustStart() if self.robust_start else None
         few = int(targets.usable.any(axis=1).sum()) < FEWEST
-        if few:  # a combination, let alone a correction, would be fitted to noise
-            combination = nearest_member(rows, targets, roles, metric)
-        else:
-            combination = fit_combination(rows, targets, roles, metric, robust, self.per_channel)
         loop = CorrectionLoop(
             gamma=self.gamma,
             softening=self.softening,
@@ -175,14 +173,38 @@ class CorrectionFunctions:
             sigma_limit=self.sigma_limit,
             per_channel=self.per_channel,
         )
+        if few:  # a combination, let alone a correction, would be fitted to noise
+            metric = error_metric(self.error_metric)
+            combination = judge = nearest_member(rows, targets, roles, metric)
+        else:
+            combination, judge = self._start(rows, targets, roles, loop)
         values = basis.evaluate(rows) if basis_values is None else basis_values
         result = loop.run(
             values,
             targets,
             combination.log_value(rows).astype(np.float64),
+            judge.log_value(rows).astype(np.float64),
             lambda done, total: progress("corrections", done, total),
         )
         return combination, result
+
+    def _start(
+        self, rows: MemberRows, targets: Targets, roles: IntArray, loop: CorrectionLoop
+    ) -> tuple[Combination, Combination]:
+        """Return the initial estimate, and the combination that judges the samples for it.
+
+        A robust start is always found in the logarithmic domain, where a bright lobe does not
+        outvote the rest; its weights then keep outliers from the fit in another domain.
+        """
+        metric, log = error_metric(self.error_metric), error_metric("log")
+        if not self.robust_start:
+            combination = fit_combination(rows, targets, roles, metric, None)
+            return combination, combination
+        judge = fit_combination(rows, targets, roles, log, RobustStart(), self.per_channel)
+        if metric == log:
+            return judge, judge
+        weights = loop.soft_weights(targets, judge.log_value(rows).astype(np.float64))
+        return fit_weighted(rows, targets, roles, metric, weights), judge
 
 
 def _residuals(samples: Samples, targets: Targets, log_estimate: FloatArray) -> FloatArray:

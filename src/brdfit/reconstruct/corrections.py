@@ -14,13 +14,13 @@ draw sigma to a constant instead of to zero.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from brdfit.arrays import FloatArray
 from brdfit.linalg import ridge_with_intercept
-from brdfit.reconstruct.combination import equal_columns
+from brdfit.reconstruct.combination import equal_columns, some_rows
 from brdfit.reconstruct.outcome import Outcome
 from brdfit.reconstruct.targets import Targets, pooled
 from brdfit.robust import relative_exponential
@@ -36,6 +36,10 @@ _DEVIATION_LIMIT = 1e3
 _NEGLIGIBLE = 1e-6
 # Below this share of used rows it pays to pick them out.
 _WORTH_PICKING = 0.5
+# More samples than this are iterated on by a random part of as many; the last corrections,
+# of which there are this many, see all of them.
+_ENOUGH = 20_000
+_LAST = 2
 # Iterations without a smaller loss before the loop gives up.
 _PATIENCE = 2
 # Percentile of the deviations that counts as typical of the inliers: at up to 80 % outliers
@@ -77,6 +81,17 @@ class LoopResult:
     outcome: Outcome
     history: tuple[dict[str, float], ...]
 
+    def followed_by(self, other: LoopResult) -> LoopResult:
+        """Return the result of both, one after the other; it ended as this one did."""
+        done = len(self.history)
+        later = (one | {"iteration": one["iteration"] + done} for one in other.history)
+        return replace(
+            other,
+            corrections=self.corrections + other.corrections,
+            outcome=self.outcome,
+            history=(*self.history, *later),
+        )
+
 
 @dataclass(frozen=True)
 class CorrectionLoop:
@@ -95,20 +110,52 @@ class CorrectionLoop:
         basis_values: FloatArray,
         targets: Targets,
         log_estimate: FloatArray,
+        judge: FloatArray,
         step: Callable[[int, int], None],
     ) -> LoopResult:
         """Iterate from an initial ln rho~ (n, c) with C_j at the samples (n, K).
+
+        `judge` is a ln rho~ (n, c) that withstands outliers. As long as it is nearer to its
+        inliers than the estimate is to its own, corrections are fitted with its weights.
+        Of many samples a part is iterated on: a few hundred coefficients need no more. The
+        last corrections are fitted to all, and weights and residuals are those of all.
+        """
+        some = some_rows(targets, _ENOUGH)
+        if isinstance(some, slice):
+            return self._iterate(basis_values, targets, log_estimate, judge, step)
+        last = min(_LAST, self.iterations)
+        part = replace(self, iterations=self.iterations - last)._iterate(
+            basis_values[some], targets.take(some), log_estimate[some], judge[some], step
+        )
+        if part.corrections:
+            log_estimate = log_estimate + log_of_corrections(part.corrections, basis_values)
+        whole = replace(self, iterations=last)._iterate(
+            basis_values, targets, log_estimate, judge, lambda done, total: None
+        )
+        return part.followed_by(whole)
+
+    def _iterate(
+        self,
+        basis_values: FloatArray,
+        targets: Targets,
+        log_estimate: FloatArray,
+        judge: FloatArray,
+        step: Callable[[int, int], None],
+    ) -> LoopResult:
+        """Iterate on all of these samples.
 
         Keeps the iterate of the smallest robust loss, the mean of 1 - w, and stops when a
         correction is almost one everywhere or when the loss has not fallen twice in a row.
         """
         best = state = _State.of(targets, log_estimate, self)
+        first = _State.of(targets, judge, self)
         corrections: list[Correction] = []
         history = [{"iteration": 0.0, "loss": state.loss}]
         kept, outcome = 0, Outcome.ITERATION_LIMIT
         for iteration in range(1, self.iterations + 1):
             step(iteration - 1, self.iterations)
-            correction = self._correction(basis_values, targets, state)
+            fairer = min(state, first, key=lambda one: one.typical)
+            correction = self._correction(basis_values, targets, state, fairer.soft_weights)
             log_sigma = correction.log_value(basis_values)
             corrections.append(correction)
             state = _State.of(targets, state.log_estimate + log_sigma, self)
@@ -127,11 +174,17 @@ class CorrectionLoop:
             tuple(corrections[:kept]), best.log_estimate, best.weights, outcome, tuple(history)
         )
 
-    def _correction(self, basis_values: FloatArray, targets: Targets, state: _State) -> Correction:
+    def soft_weights(self, targets: Targets, log_estimate: FloatArray) -> FloatArray:
+        """Return the weights (n, c) with which a correction of ln rho~ (n, c) is fitted."""
+        return _State.of(targets, log_estimate, self).soft_weights
+
+    def _correction(
+        self, basis_values: FloatArray, targets: Targets, state: _State, weights: FloatArray
+    ) -> Correction:
         n_channels = targets.log_value.shape[1]
         intercept = np.ones(n_channels)
         coefficients = np.zeros((basis_values.shape[1], n_channels))
-        fit_weights = np.where(targets.informative(state.log_estimate), state.soft_weights, 0.0)
+        fit_weights = np.where(targets.informative(state.log_estimate), weights, 0.0)
         factors = np.clip(np.exp(targets.residual(state.log_estimate)), 0.0, _FACTOR_LIMIT)
         for channels in equal_columns(fit_weights, np.arange(n_channels)):
             weight = fit_weights[:, channels[0]]
@@ -157,6 +210,8 @@ class _State:
     soft_weights: FloatArray
     """The same with gamma lowered while the estimate is still far from most samples."""
     loss: float
+    typical: float
+    """Relative deviation of what counts as a typical inlier."""
 
     @classmethod
     def of(cls, targets: Targets, log_estimate: FloatArray, loop: CorrectionLoop) -> _State:
@@ -171,4 +226,4 @@ class _State:
         gamma = min(loop.gamma, loop.softening / max(typical, 1e-6))
         soft_weights = relative_exponential(deviation, gamma) * targets.usable
         loss = 1.0 - float(weights[targets.usable].mean())
-        return cls(log_estimate, weights, soft_weights, loss)
+        return cls(log_estimate, weights, soft_weights, loss, typical)

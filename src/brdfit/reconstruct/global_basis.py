@@ -17,6 +17,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray
 from brdfit.grid import Grid
+from brdfit.linalg import one_thread
 from brdfit.populations import Population, population
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.combination import Combination, fit_combination
@@ -66,6 +67,7 @@ class GlobalBasis:
     def __post_init__(self) -> None:
         error_metric(self.error_metric)
 
+    @one_thread()
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the reconstruction of `samples` (any number of channels).
 

@@ -22,6 +22,7 @@ import scipy  # its parts are imported when they are first used
 from brdfit.arrays import BoolArray, FloatArray
 from brdfit.geometry import half_diff_from_directions, wrap_phi_d
 from brdfit.grid import Grid
+from brdfit.linalg import one_thread
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.checks import check_above, check_count
 from brdfit.reconstruct.combination import equal_columns
@@ -159,7 +160,7 @@ class LocalBasis:
 
     error_metric: str = "log"
     """Domain in which splines are combined and compared: linear, root or log."""
-    smoothing: float = 1e-2
+    smoothing: float = 0.1
     """Weight of the mean square second difference of the coefficients."""
     n_theta_h: int = 16
     """Splines along theta_h (square-root warped)."""
@@ -179,6 +180,7 @@ class LocalBasis:
         """The spline space of these settings."""
         return SplineSpace((self.n_theta_h, self.n_theta_d, self.n_phi_d))
 
+    @one_thread()
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the reconstruction of `samples`; censored values are left out.
 

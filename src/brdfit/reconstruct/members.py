@@ -10,6 +10,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.grid import Grid
+from brdfit.linalg import one_thread
 from brdfit.populations import VALUE_FLOOR, Columns, Population, columns
 from brdfit.progress import Progress
 from brdfit.samples import Samples
@@ -114,7 +115,7 @@ def by_block(
 
     # numpy lets go of the interpreter in its loops: two threads keep two cores busy
     blocks = []
-    with ThreadPoolExecutor(_THREADS) as pool:
+    with one_thread(), ThreadPoolExecutor(_THREADS) as pool:
         for done, values in enumerate(pool.map(block, starts)):
             progress(_LABEL, done * _CHUNK, len(dense))
             blocks.append(values)

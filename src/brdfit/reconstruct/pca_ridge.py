@@ -33,7 +33,7 @@ import numpy as np
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.geometry import cos_incident_outgoing
 from brdfit.grid import MERL_GRID, Grid
-from brdfit.linalg import NormalEquations, ridge
+from brdfit.linalg import NormalEquations, one_thread, ridge
 from brdfit.populations import Population, population, remember
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.checks import check_above
@@ -145,6 +145,7 @@ class PcaRidge:
         check_above("eta", self.eta, 0.0)
         check_above("epsilon", self.epsilon, 0.0)
 
+    @one_thread()
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the reconstruction of `samples` (any number of channels).
 

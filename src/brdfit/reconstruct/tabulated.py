@@ -17,6 +17,7 @@ from brdfit.arrays import FloatArray
 from brdfit.errors import FitError, UsageError
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import Grid
+from brdfit.linalg import one_thread
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.checks import check_count
 from brdfit.reconstruct.result import Reconstruction, direct_result
@@ -109,6 +110,7 @@ class Tabulated:
             )
         check_count("neighbors", self.neighbors, 8)
 
+    @one_thread()
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the interpolant of all usable values, zeros and negatives included.
 

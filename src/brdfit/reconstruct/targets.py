@@ -45,7 +45,7 @@ class Targets:
         log_value = np.log(np.where(usable, value, 1.0))
         return cls(np.where(usable, log_value, np.nan), usable, usable & samples.censored)
 
-    def take(self, rows: BoolArray | IntArray) -> Targets:
+    def take(self, rows: BoolArray | IntArray | slice) -> Targets:
         """Return the targets of some rows."""
         return Targets(self.log_value[rows], self.usable[rows], self.censored[rows])
 

@@ -183,9 +183,14 @@ class Shared:
             metric = error_metric(CorrectionFunctions.error_metric)
             self._functions = Expressiveness.of(scene, metric)
         name = scene.names[subject]
-        value = figure(self._functions.deviation(int(scene.materials[subject])))
-        part = "expressiveness"
-        return {"key": f"{part}|{name}", "part": part, "material": name, "deviation": value}
+        material, part = int(scene.materials[subject]), "expressiveness"
+        return {
+            "key": f"{part}|{name}",
+            "part": part,
+            "material": name,
+            "deviation": figure(self._functions.deviation(material)),
+            "deviation_by_all": figure(self._functions.deviation_by_all(material)),
+        }
 
     def _real(self, name: str, case: RealCase) -> Record:
         record = predict_rest(

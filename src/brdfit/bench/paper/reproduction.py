@@ -106,8 +106,10 @@ def _sensitivity(summary: Summary) -> list[str]:
 
 
 _EXPRESSIVENESS = """Each correction function C_i, the quotient of a material and its
-description by the others, is described in turn by the other correction functions; the
-deviation is the mean of |C_i - description| over cells that the description was not fitted to."""
+description by the others, is described in turn by the other correction functions, by least
+squares; the deviation is the mean of |C_i - description| over cells that the description was not
+fitted to. The poster tells of 99 functions, so each is described by those of its channel; the
+method itself uses those of all channels as one basis."""
 
 
 def _real(records: list[Record], settings: dict[str, Any]) -> list[str]:

@@ -90,6 +90,6 @@ class Summary:
                 found.setdefault(record["metric"], []).append(record["error"])
         return {metric: float(np.mean(errors)) for metric, errors in found.items()}
 
-    def expressiveness(self) -> FloatArray:
-        """Return the deviations, one a material."""
-        return np.array([record["deviation"] for record in self.part("expressiveness")], float)
+    def expressiveness(self, name: str = "deviation") -> FloatArray:
+        """Return the deviations, one a material; or "deviation_by_all"."""
+        return np.array([record[name] for record in self.part("expressiveness")], float)

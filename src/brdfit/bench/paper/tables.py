@@ -110,13 +110,17 @@ def sensitivity_table(summary: Summary) -> str:
 
 
 def expressiveness(summary: Summary) -> str:
-    """Return one sentence about the expressiveness of the correction basis."""
-    deviations = summary.expressiveness()
-    return (
-        f"Mean over {deviations.size} materials: {deviations.mean():.3f} "
-        f"(poster: {EXPRESSIVENESS:.3f}); median {np.median(deviations):.3f}, largest "
-        f"{deviations.max():.3f}."
-    )
+    """Return the table of the expressiveness of the correction basis."""
+    columns = [Column("described by"), *(Column(x, True) for x in ("mean", "median", "largest"))]
+    rows = []
+    for what, name, printed in (
+        ("the other functions of its channel", "deviation", EXPRESSIVENESS),
+        ("those of all channels", "deviation_by_all", None),
+    ):
+        found = summary.expressiveness(name)
+        figures = [np.median(found), found.max()]
+        rows.append([what, cell(found.mean(), printed), *(cell(float(x)) for x in figures)])
+    return table(columns, rows)
 
 
 def real_table(records: Sequence[Record], names: Sequence[str]) -> str:
