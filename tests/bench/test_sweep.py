@@ -30,7 +30,7 @@ TINY = SweepSettings(
     ),
     materials=2,
     questions=(
-        Question("gamma", "our", ({"gamma": 4.0}, {"gamma": 8.0}), ("log", "linear"), "Why."),
+        Question("gamma", "our", ({"gamma": 4.0}, {"gamma": 16.0}), ("log", "linear"), "Why."),
         Question("smoothing", "loc", ({"smoothing": 1e-2}, {"smoothing": 10.0})),
         Question("kernel", "tab", ({"kernel": "linear"}, {"kernel": "cubic"})),
     ),
@@ -64,7 +64,7 @@ def test_every_variant_is_run_once_on_tuning_materials_and_the_page_follows_from
     assert len(records) == (4 + 2 + 2) * 2 * 2
     assert all(np.isfinite(record["error"]) for record in records)
     text = target.read_text()
-    assert "| default | 8.0 |" in text
+    assert "| default | 16.0 |" in text
     assert str(tmp_path) not in text + result.read_text()
     again = tmp_path / "again.json"
     bench("-o", again, "--workers", 2)
@@ -109,7 +109,7 @@ def test_a_variant_that_several_questions_ask_for_is_run_once():
 
 
 def test_a_variant_has_the_settings_it_names():
-    one = Variant.of("our", {"gamma": 4.0, "softening": 0.7}, defaults(QUESTIONS)["our"])
+    one = Variant.of("our", {"gamma": 4.0, "softening": 1.4}, defaults(QUESTIONS)["our"])
     assert one.key == "our|gamma=4.0"
     record = contender(one).record()
     assert record == {**defaults(QUESTIONS)["our"], "gamma": 4.0}

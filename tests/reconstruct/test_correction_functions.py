@@ -208,7 +208,8 @@ def test_zeros_where_the_estimate_is_under_the_floor_change_nothing(toy, measure
     one, other = method.fit(spoiled), method.fit(some.with_value(value))
     assert one.iterations > 0
     assert other.iterations == one.iterations
-    assert np.allclose(one.evaluate(*somewhere), other.evaluate(*somewhere), rtol=1e-5)
+    # the sums run in single precision and in another order; little damping amplifies that
+    assert np.allclose(one.evaluate(*somewhere), other.evaluate(*somewhere), rtol=1e-4)
     assert (other.residuals[bright.size :] == 0.0).all()
     assert not other.outliers[bright.size :].any()
 

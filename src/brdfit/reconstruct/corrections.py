@@ -158,8 +158,9 @@ class CorrectionLoop:
             correction = self._correction(basis_values, targets, state, fairer.soft_weights)
             log_sigma = correction.log_value(basis_values)
             corrections.append(correction)
+            telling = targets.informative(state.log_estimate)
+            sigma_rms = float(np.sqrt(np.mean(log_sigma[telling] ** 2)))
             state = _State.of(targets, state.log_estimate + log_sigma, self)
-            sigma_rms = float(np.sqrt(np.mean(log_sigma[targets.usable] ** 2)))
             history.append({"iteration": iteration, "loss": state.loss, "sigma_rms": sigma_rms})
             if state.loss < best.loss:
                 best, kept = state, iteration
