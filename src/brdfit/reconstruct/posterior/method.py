@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from brdfit.errors import SampleError
+from brdfit.linalg import one_thread
 from brdfit.populations import Population, population
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.checks import check_above, check_count
@@ -52,6 +53,7 @@ class Posterior:
         check_count("starts", self.starts, 3)
         check_count("residual_size", self.residual_size, 50)
 
+    @one_thread()
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the reconstruction of `samples` (any number of channels).
 
