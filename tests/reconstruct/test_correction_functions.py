@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from brdfit.errors import SampleError
-from brdfit.reconstruct import CorrectionFunctions, GlobalBasis, Outcome
+from brdfit.reconstruct import CorrectionFunctions, GlobalBasis, Outcome, corrections
 from brdfit.samples import Samples
 
 
@@ -64,6 +66,46 @@ def test_two_of_five_samples_wrong_hardly_matter_where_the_global_basis_is_lost(
     harm = distance(rival.fit(spoiled), toy, "m4", somewhere)
     harm -= distance(rival.fit(measure(n=400)), toy, "m4", somewhere)
     assert ours - clean < harm / 3.0
+
+
+@pytest.mark.parametrize("metric", ["linear", "root"])
+def test_outliers_do_not_drag_the_start_away_under_any_metric(toy, measure, somewhere, metric):
+    others = toy.without(["m4"])
+    spoiled, _ = spoil(measure(n=400), 0.4)
+    robust = CorrectionFunctions(population=others, error_metric=metric)
+    plain = CorrectionFunctions(population=others, error_metric=metric, robust_start=False)
+    clean = distance(robust.fit(measure(n=400)), toy, "m4", somewhere)
+    harm = distance(robust.fit(spoiled), toy, "m4", somewhere) - clean
+    start = distance(replace(plain, iterations=0).fit(spoiled), toy, "m4", somewhere)
+    assert harm < (start - clean) / 3.0
+
+
+def test_many_samples_are_iterated_on_in_part_and_judged_all(
+    method, toy, measure, somewhere, monkeypatch
+):
+    spoiled, bad = spoil(measure(n=600), 0.4)
+    whole = method.fit(spoiled)
+    seen = []
+    original = corrections.ridge_with_intercept
+
+    def spy(x, *arguments):
+        seen.append(len(x))
+        return original(x, *arguments)
+
+    monkeypatch.setattr(corrections, "_ENOUGH", 200)
+    monkeypatch.setattr(corrections, "ridge_with_intercept", spy)
+    part = method.fit(spoiled)
+    assert min(seen) <= 200
+    assert max(seen[-2:]) > 200
+    first = [one["iteration"] for one in part.history]
+    assert first == list(range(len(first)))
+    assert part.iterations <= method.iterations
+    near = distance(whole, toy, "m4", somewhere)
+    assert distance(part, toy, "m4", somewhere) < 1.2 * near + 0.01
+    assert np.median(part.weights[bad]) < np.median(part.weights[~bad])
+    # the estimate that is reported is the one that the corrections make
+    again = np.log(spoiled.value) - np.log(part.evaluate(spoiled.wi, spoiled.wo))
+    assert np.allclose(again, part.residuals, atol=1e-3)
 
 
 @pytest.mark.parametrize("share", [0.2, 0.4, 0.6])
