@@ -1,0 +1,45 @@
+"""The mixture of measurements and something else."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brdfit.robust import Background, Mixture
+
+
+def judged(y, mean, variance=0.01, known=None):
+    known = np.ones(y.shape, dtype=bool) if known is None else known
+    mixture = Mixture(0.2, Background.of(y, known))
+    return mixture.judge(y, mean, np.full(len(y), variance), known), known, mixture
+
+
+def test_a_row_far_from_its_prediction_is_not_believed_and_one_nearby_is():
+    y = np.array([[0.0], [0.05], [3.0]])
+    verdict, _, _ = judged(y, np.zeros((3, 1)))
+    assert (verdict.responsibility[:2] > 0.9).all()
+    assert verdict.responsibility[2] < 1e-6
+
+
+def test_repeating_a_channel_changes_nothing():
+    rng = np.random.default_rng(1)
+    y, mean = rng.normal(size=(20, 2)), rng.normal(size=(20, 2))
+    one, _, _ = judged(y, mean)
+    many, _, _ = judged(np.tile(y, 4), np.tile(mean, 4))
+    assert np.allclose(one.responsibility, many.responsibility)
+
+
+def test_an_unknown_entry_has_no_say_and_an_unknown_row_no_weight():
+    y = np.array([[0.0, 9.0], [0.0, 0.0]])
+    known = np.array([[True, False], [False, False]])
+    verdict, _, _ = judged(y, np.zeros((2, 2)), known=known)
+    assert verdict.responsibility[0] > 0.9
+    assert verdict.responsibility[1] == 0.0
+    assert verdict.log_likelihood[1] == 0.0
+
+
+def test_the_share_stays_inside_and_follows_the_verdict():
+    y = np.concatenate([np.zeros(60), np.full(40, 4.0)])[:, None]
+    verdict, known, mixture = judged(y, np.zeros((100, 1)))
+    assert abs(mixture.updated(y, verdict, known).share - 0.4) < 0.05
+    good, known, mixture = judged(y[:60], np.zeros((60, 1)))
+    assert 0.0 < mixture.updated(y[:60], good, known).share < 0.1
