@@ -50,6 +50,7 @@ SECONDS = 20
 # Bigger files are damaged more rarely: what costs a second is worth a hundred others.
 _SMALL = 1 << 17
 _RARE = 1 / 300
+_ALONE = 0.05
 _SHORTEST_MESSAGE = 20
 
 
@@ -92,7 +93,14 @@ class Inputs:
         if unknown:
             raise SystemExit(f"no format {unknown[0]!r}; there are: {', '.join(sorted(known))}")
         self.small = [s for s in small_files(folder) if not formats or s.format in formats]
-        weights = np.array([1.0 if s.size <= _SMALL else _RARE for s in self.small])
+        # a large file is slow: a rare guest, unless it is all that its format has
+        has_small = {s.format for s in self.small if s.size <= _SMALL}
+        weights = np.array(
+            [
+                1.0 if s.size <= _SMALL else _RARE if s.format in has_small else _ALONE
+                for s in self.small
+            ]
+        )
         per_format = Counter(s.format for s in self.small if s.size <= _SMALL)
         weights /= np.array([max(per_format[s.format], 1) for s in self.small])
         self._weights = weights / weights.sum()
