@@ -16,7 +16,7 @@ lost to a moment's confidence, and is drawn toward `EXPECTED` by a few imagined 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -85,17 +85,7 @@ def refine(
         if moved < _SETTLED or step >= steps:
             break
     assert last is not None
-    settled = moved < _SETTLED
-    return Explanation(
-        last.coefficients,
-        last.posterior,
-        last.mean,
-        last.left_out,
-        last.belief,
-        last.score,
-        step,
-        settled,
-    )
+    return replace(last, steps=step, settled=moved < _SETTLED)
 
 
 def _states(
