@@ -16,7 +16,11 @@ from brdfit.reconstruct.outcome import Outcome
 from brdfit.reconstruct.outliers import FEWEST
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.model import PosteriorModel
-from brdfit.reconstruct.posterior.principal import column_weights, principal_basis
+from brdfit.reconstruct.posterior.principal import (
+    PrincipalBasis,
+    column_weights,
+    principal_basis,
+)
 from brdfit.reconstruct.posterior.residual import Scale
 from brdfit.reconstruct.posterior.stages import Design, Kernel, Search, Winner, explain
 from brdfit.reconstruct.result import Reconstruction, population_record
@@ -62,7 +66,17 @@ class Posterior:
         """
         samples.require_usable()
         materials = population(self.population)
-        basis = principal_basis(materials, progress)
+        return self.fit_on(samples, materials, principal_basis(materials, progress), progress)
+
+    @one_thread()
+    def fit_on(
+        self,
+        samples: Samples,
+        materials: Population,
+        basis: PrincipalBasis,
+        progress: Progress = silent,
+    ) -> Reconstruction:
+        """Return the same as `fit`, where the components of `materials` are at hand already."""
         data = Measurements.of(samples, self.noise_floor)
         if len(data) > _MOST_SAMPLES:
             raise SampleError(
