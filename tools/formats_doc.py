@@ -89,7 +89,10 @@ def _detail(sheet: FormatSheet) -> str:
 
 def _precision(sheet: FormatSheet) -> str:
     if sheet.averages:
-        return f"means over patches, half of a smooth material within {sheet.precision:.0%}"
+        return (
+            f"not the table's own values (what stands in their place is under what writing loses); "
+            f"of a smooth material half of the values are within {sheet.precision:.0%}"
+        )
     if sheet.precision == 0.0:
         return "every bit"
     return (

@@ -6,9 +6,11 @@ has its file made by hand here. A test checks that no format is forgotten.
 
 from __future__ import annotations
 
+import io
 import struct
 import warnings
-from collections.abc import Callable, Iterator
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,12 +22,21 @@ from brdfit.errors import BrdfitWarning, UsageError
 from brdfit.formats import list_formats, write_samples, write_table
 from brdfit.geometry import directions_from_spherical
 from brdfit.grid import MERL_GRID, Grid
+from brdfit.models.network import NETWORK_SHAPES
 from brdfit.samples import Samples
 from brdfit.table import Table
 
 from small_workbook import workbook
 
-__all__ = ["SmallFile", "small_files", "tiny_samples", "tiny_table", "written_table"]
+__all__ = [
+    "SmallFile",
+    "network_file",
+    "small_files",
+    "tiny_samples",
+    "tiny_table",
+    "utia_numbers",
+    "written_table",
+]
 
 SMALL_GRID = Grid(6, 5, 8)
 
@@ -222,6 +233,44 @@ def _zemax() -> SmallFile:
     return _text("zemax", "a.bsdf", "\n".join(lines))
 
 
+def network_file(seed: int = 5, shapes: Sequence[tuple[int, int]] = NETWORK_SHAPES) -> bytes:
+    """Return the content of Keras' `.h5` with made-up weights."""
+    import h5py
+
+    rng, made = np.random.default_rng(seed), io.BytesIO()
+    with h5py.File(made, "w") as file:
+        for layer, shape in enumerate(shapes, start=1):
+            group = file.create_group(f"dense_{layer}/dense_{layer}")
+            group["kernel:0"] = rng.normal(0.0, 0.4, shape).astype("f4")
+            group["bias:0"] = rng.normal(0.0, 0.2, shape[1]).astype("f4")
+    return made.getvalue()
+
+
+def _nbrdf() -> SmallFile:
+    return SmallFile("nbrdf", "table", "a.h5", {"a.h5": network_file()})
+
+
+def _nbrdf_archive() -> SmallFile:
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w") as archive:
+        archive.writestr("any/walnut.h5", network_file(6))
+    return SmallFile("nbrdf", "samples", "a.zip", {"a.zip": made.getvalue()}, {"count": 100})
+
+
+def utia_numbers() -> FloatArray:
+    """Return made-up numbers (plane, theta_i, phi_i, theta_v, phi_v) without any symmetry."""
+    index = np.indices((3, 6, 48, 6, 48)).astype(float)
+    plane, theta_i, phi_i, theta_v, phi_v = index
+    return np.asarray(
+        0.1 + 0.2 * plane + 0.03 * theta_i + 0.001 * phi_i + 0.05 * theta_v + 0.002 * phi_v
+    )
+
+
+def _utia() -> SmallFile:
+    content = utia_numbers().astype("<f4").tobytes()
+    return SmallFile("utia", "samples", "a.bin", {"a.bin": content}, {"count": 100})
+
+
 def _tensor_file(fields: dict[str, np.ndarray[Any, Any]]) -> bytes:
     """Return RGL's container, written from its description."""
     offset = 18 + sum(2 + len(name) + 11 + 8 * array.ndim for name, array in fields.items())
@@ -241,9 +290,11 @@ _BY_HAND: dict[str, tuple[Callable[[], SmallFile], ...]] = {
     "curet": (_curet,),
     "delimited": (_delimited,),
     "merl": (_merl,),
+    "nbrdf": (_nbrdf, _nbrdf_archive),
     "nist": (_nist,),
     "lighttools": (_lighttools,),
     "rgl": (_rgl,),
     "rt300s": (_rt300s,),
+    "utia": (_utia,),
     "zemax": (_zemax,),
 }

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from brdfit.errors import CorruptFile, UsageError
+from brdfit.errors import CorruptFile
 from brdfit.files import sha256_of_bytes
+from brdfit.formats.drawing import Draw, samples_of_cells
 from brdfit.formats.merl.layout import CONVENTION, FILE_BYTES, HEADER, HEADER_BYTES, SCALES
 from brdfit.grid import MERL_GRID
 from brdfit.samples import Samples, Source
@@ -63,32 +64,7 @@ def read_samples(path: Path, *, count: int | None = None, seed: int = 0) -> Samp
     `count` draws that many of the 1.1 million at random, without repetition, by `seed`;
     `rows` are 1-based cell numbers in the order of the file.
     """
-    table = read_table(path)
-    cells = np.flatnonzero(table.mask)
-    notes = table.source.notes
-    if count is not None:
-        if not 1 <= count <= cells.size:
-            raise UsageError(
-                f"{path.name}: count is {count} but the file has {cells.size:,} valid cells to "
-                f"draw from; give a number from 1 to that."
-            )
-        drawn = np.random.default_rng(seed).choice(cells.size, count, replace=False)
-        notes = (*notes, f"{count:,} of {cells.size:,} valid cells, drawn with seed {seed}")
-        cells = cells[np.sort(drawn)]
-    wi, wo = MERL_GRID.directions(cells)
-    return Samples(
-        wi=wi,
-        wo=wo,
-        value=table.values.reshape(-1, 3)[cells],
-        rows=cells + 1,
-        source=Source(
-            name=table.source.name,
-            format=table.source.format,
-            sha256=table.source.sha256,
-            convention=CONVENTION,
-            notes=notes,
-        ),
-    )
+    return samples_of_cells(read_table(path), Draw(count, seed))
 
 
 def _check_header(header: bytes, path: Path) -> None:
