@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from brdfit.errors import UsageError
-from brdfit.metrics import perceptual_error
+from brdfit.metrics import difference_map, perceptual_error
 from brdfit.render import Sphere, studio
 
 RED = (0.30, 0.12, 0.05)
@@ -45,6 +45,17 @@ def test_the_perceptual_error_is_the_one_of_an_independent_implementation():
 def test_the_perceptual_error_of_an_image_with_itself_is_zero(rng):
     image = rng.uniform(0.0, 2.0, (9, 9, 3))
     assert perceptual_error(image, image) == 0.0
+
+
+def test_the_map_has_a_difference_for_every_pixel_and_their_mean_is_the_perceptual_error(rng):
+    a, b = rng.uniform(0.1, 2.0, (2, 9, 9, 3))
+    mask = rng.uniform(size=(9, 9)) < 0.6
+    b[4, 4] = a[4, 4]
+    mask[4, 4] = True
+    found = difference_map(a, b, mask)
+    np.testing.assert_array_equal(np.isfinite(found), mask)
+    assert found[4, 4] == 0.0
+    assert np.nanmean(found) == pytest.approx(perceptual_error(a, b, mask), rel=1e-12)
 
 
 def test_scaling_both_images_together_changes_nothing(rng):

@@ -243,7 +243,7 @@ def test_a_reference_is_rendered_measured_and_named(fit_known: Fit, tmp_path: Pa
     assert "Against the reference gold.npz" in page.said("metrics")
     assert "mean |delta ln f| 0.693" in page.said("metrics")
     assert "mean CIEDE2000 of displayed images" in page.said("metrics")
-    assert sum(tag == "img" for tag, _ in page.tags) == 4
+    assert sum(tag == "img" for tag, _ in page.tags) == 6
     assert "Perceptual error" in page.said("")
     same = _page(result, tmp_path, reference=table)
     assert "mean |delta ln f| 0 " in same.said("metrics")

@@ -8,6 +8,8 @@ export interface LightSet {
   direction: number[][];
   irradiance: number[][];
   surround: number[];
+  /** What the reader of a panorama had to leave out. */
+  warnings: string[];
 }
 
 /** One setting of a method, as a form shows it. */

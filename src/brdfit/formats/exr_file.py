@@ -12,11 +12,11 @@ import numpy as np
 from brdfit.arrays import FloatArray
 from brdfit.errors import CorruptFile, MissingExtra
 
-__all__ = ["MAGIC", "read_exr", "require_openexr", "write_exr"]
+__all__ = ["MAGIC", "MOST_PIXELS", "read_exr", "require_openexr", "write_exr"]
 
 MAGIC = b"\x76\x2f\x31\x01"
-# Bigger pictures are refused before a byte is allocated for them.
-_MOST_PIXELS = 1 << 27
+MOST_PIXELS = 1 << 27
+"""Bigger pictures are refused before a byte is allocated for them."""
 
 
 def require_openexr(purpose: str) -> ModuleType:
@@ -29,7 +29,9 @@ def require_openexr(purpose: str) -> ModuleType:
     return module
 
 
-def read_exr(path: Path) -> tuple[dict[str, FloatArray], dict[str, Any]]:
+def read_exr(
+    path: Path, most_pixels: int = MOST_PIXELS
+) -> tuple[dict[str, FloatArray], dict[str, Any]]:
     """Return ({channel: (height, width) float64}, header) of the first part of a file.
 
     R, G and B are three channels. Raises `CorruptFile` for what the library refuses, and for
@@ -41,10 +43,10 @@ def read_exr(path: Path) -> tuple[dict[str, FloatArray], dict[str, Any]]:
         header = dict(file.header())
         low, high = (np.asarray(corner, dtype=np.int64) for corner in header["dataWindow"])
         extent = high - low + 1
-        if (extent < 1).any() or int(extent[0]) * int(extent[1]) > _MOST_PIXELS:
+        if (extent < 1).any() or int(extent[0]) * int(extent[1]) > most_pixels:
             raise CorruptFile(
-                f"{path.name}: the header claims {extent[0]} x {extent[1]} pixels, which no "
-                f"picture here has. The file is damaged."
+                f"{path.name}: the header claims {extent[0]} x {extent[1]} pixels, more "
+                f"than the {most_pixels:,} that are read. Make it smaller, or copy it again."
             )
         channels = library.File(str(path), separate_channels=True).channels()
         return {name: _plane(one.pixels) for name, one in channels.items()}, header

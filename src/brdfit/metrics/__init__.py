@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from brdfit.metrics.andersson2020 import flip
 from brdfit.metrics.bt2124 import delta_e_itp
-from brdfit.metrics.ciede2000 import perceptual_error
+from brdfit.metrics.ciede2000 import difference_map, perceptual_error
 from brdfit.metrics.entries import Score
 from brdfit.metrics.fores2012 import cube_root_rms
 from brdfit.metrics.log_difference import log_rms, mean_abs_log
@@ -28,6 +28,7 @@ __all__ = [
     "cube_root_cosine",
     "cube_root_rms",
     "delta_e_itp",
+    "difference_map",
     "evaluate_metric",
     "flip",
     "log_rms",

@@ -14,7 +14,7 @@ from brdfit.arrays import FloatArray
 from brdfit.metrics.images import ImagePair
 from brdfit.tone import colour_library
 
-__all__ = ["lab_from_linear", "perceptual_error"]
+__all__ = ["difference_map", "lab_from_linear", "perceptual_error"]
 
 # Linear sRGB to CIE XYZ (IEC 61966-2-1). Its row sums are the D65 white, so that grey has
 # a* = b* = 0 exactly.
@@ -44,10 +44,27 @@ def perceptual_error(
     left out. About 1 is a just noticeable difference of large patches side by side.
     Symmetric in the colours, not in the images: the reference sets the exposure.
     """
+    return float(np.mean(_of_pixels(ImagePair.of(reference, test, mask))))
+
+
+def difference_map(
+    reference: npt.ArrayLike, test: npt.ArrayLike, mask: npt.ArrayLike | None = None
+) -> FloatArray:
+    """Return the CIEDE2000 (height, width) of every pixel, NaN outside the mask.
+
+    Arguments and exposure are those of `perceptual_error`, which is the mean of this.
+    """
     pair = ImagePair.of(reference, test, mask)
+    found = np.full(pair.mask.shape, np.nan)
+    found[pair.mask] = _of_pixels(pair)
+    return found
+
+
+def _of_pixels(pair: ImagePair) -> FloatArray:
+    """Return the CIEDE2000 (n,) of the pixels inside the mask."""
     lab_reference, lab_test = (lab_from_linear(pixels) for pixels in pair.linear_pixels)
     difference = colour_library().difference.delta_E_CIE2000(lab_reference, lab_test)
-    return float(np.mean(difference))
+    return np.asarray(difference, dtype=np.float64)
 
 
 def lab_from_linear(linear: FloatArray) -> FloatArray:

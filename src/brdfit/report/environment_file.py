@@ -12,25 +12,27 @@ import numpy.typing as npt
 
 from brdfit.arrays import FloatArray
 from brdfit.errors import CorruptFile, DataQualityWarning, FormatError, UnknownFormat
-from brdfit.formats.exr_file import MAGIC, read_exr
+from brdfit.formats.exr_file import MAGIC, MOST_PIXELS, read_exr
 from brdfit.render import Environment
 
 __all__ = ["read_environment"]
 
 _RGBE = (b"#?RADIANCE", b"#?RGBE")
 _RESOLUTION = re.compile(rb"^-Y +(\d{1,6}) +\+X +(\d{1,6})\s*$")
-_MOST_PIXELS = 1 << 27
 # Rows of the packed kind begin with these, then the width in two bytes.
 _PACKED = 2
 _LONGEST_PACKED, _SHORTEST_PACKED = 32767, 8
 
 
-def read_environment(path: Path, turned: float = 0.0) -> Environment:
+def read_environment(
+    path: Path, turned: float = 0.0, *, most_pixels: int = MOST_PIXELS
+) -> Environment:
     """Return the panorama of a file, `turned` degrees to the right.
 
     Linear sRGB; the content tells the format. What is negative or not finite becomes 0, with a
     `DataQualityWarning` that counts the pixels; another one if the width is not twice the
-    height. Raises `FormatError` and its kin for the file, `UsageError` for a black one.
+    height. Raises `FormatError` and its kin for the file, also where its header claims more
+    than `most_pixels`; `UsageError` for a black one.
     """
     try:
         with path.open("rb") as stream:
@@ -38,9 +40,9 @@ def read_environment(path: Path, turned: float = 0.0) -> Environment:
     except OSError as error:
         raise FormatError(f"{path}: cannot be read: {error.strerror or error}.") from error
     if head.startswith(MAGIC):
-        radiance = _exr(path)
+        radiance = _exr(path, most_pixels)
     elif head.startswith(_RGBE):
-        radiance = _hdr(path)
+        radiance = _hdr(path, most_pixels)
     else:
         raise UnknownFormat(
             f"{path.name}: is neither OpenEXR nor Radiance .hdr by its content. An environment "
@@ -66,8 +68,8 @@ def read_environment(path: Path, turned: float = 0.0) -> Environment:
     return Environment(path.name, radiance, math.radians(turned))
 
 
-def _exr(path: Path) -> FloatArray:
-    planes, _ = read_exr(path)
+def _exr(path: Path, most_pixels: int) -> FloatArray:
+    planes, _ = read_exr(path, most_pixels)
     names = next((n for n in (("R", "G", "B"), ("Y",) * 3) if set(n) <= set(planes)), None)
     if names is None:
         raise FormatError(
@@ -77,7 +79,7 @@ def _exr(path: Path) -> FloatArray:
     return np.stack([planes[name] for name in names], axis=-1)
 
 
-def _hdr(path: Path) -> FloatArray:
+def _hdr(path: Path, most_pixels: int) -> FloatArray:
     content = path.read_bytes()
     header, _, rest = content.partition(b"\n\n")
     resolution, _, data = rest.partition(b"\n")
@@ -90,8 +92,11 @@ def _hdr(path: Path) -> FloatArray:
     if b"32-bit_rle_xyze" in header:
         raise FormatError(f"{path.name}: holds XYZ colours; convert it to RGB with ra_xyze -r.")
     height, width = int(found[1]), int(found[2])
-    if not 0 < height * width <= _MOST_PIXELS:
-        raise CorruptFile(f"{path.name}: the header claims {width} x {height} pixels.")
+    if not 0 < height * width <= most_pixels:
+        raise CorruptFile(
+            f"{path.name}: the header claims {width} x {height} pixels; 1 to {most_pixels:,} are "
+            f"read. Make it smaller, or copy it again."
+        )
     pixels = np.frombuffer(data, np.uint8)
     try:
         return _decoded(_rows(pixels, height, width))

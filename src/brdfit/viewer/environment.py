@@ -7,14 +7,17 @@ from pathlib import Path
 import numpy as np
 
 from brdfit.arrays import FloatArray
-from brdfit.errors import CorruptFile, MissingExtra, UsageError
+from brdfit.errors import CorruptFile, UnknownFormat
 from brdfit.render.illumination import Illumination
 from brdfit.render.panorama import panorama_lights
+from brdfit.report.environment_file import read_environment
 from brdfit.tone import srgb_decode
 
 __all__ = ["environment_from", "read_panorama"]
 
+# What is decoded lies in memory at 24 bytes a pixel.
 _MOST_PIXELS = 1 << 25
+_PICTURES = (".png", ".jpg", ".jpeg")
 
 
 def environment_from(path: Path) -> Illumination:
@@ -23,29 +26,19 @@ def environment_from(path: Path) -> Illumination:
 
 
 def read_panorama(path: Path) -> FloatArray:
-    """Return linear sRGB (height, width, 3) of an .exr, .png or .jpg file."""
-    suffix = path.suffix.lower()
-    if suffix == ".exr":
-        return _read_exr(path)
-    if suffix in (".png", ".jpg", ".jpeg"):
+    """Return linear sRGB (height, width, 3) of an .exr, .hdr, .png or .jpg file.
+
+    Of the first two the content tells, and `DataQualityWarning` what had to be left out.
+    """
+    if path.suffix.lower() in _PICTURES:
         return _read_picture(path)
-    raise UsageError(f"{path.name}: found {suffix!r} but a panorama is .exr, .png or .jpg.")
-
-
-def _read_exr(path: Path) -> FloatArray:
     try:
-        import OpenEXR
-    except ImportError as error:
-        raise MissingExtra("OpenEXR", "exr", "an environment map in .exr") from error
-    try:
-        with OpenEXR.File(str(path)) as file:
-            channels = file.channels()
-            found = channels.get("RGB") or channels.get("RGBA")
-            if found is None:
-                raise ValueError(f"channels {', '.join(channels)}, not R, G, B")
-            return np.asarray(found.pixels[..., :3], dtype=np.float64)
-    except (RuntimeError, ValueError, TypeError, OSError) as error:
-        raise CorruptFile(f"{path.name}: cannot be read as OpenEXR ({error}).") from error
+        return read_environment(path, most_pixels=_MOST_PIXELS).radiance
+    except UnknownFormat as error:
+        raise UnknownFormat(
+            f"{path.name}: found {path.suffix!r} but a panorama is OpenEXR (.exr), Radiance "
+            f"(.hdr), .png or .jpg."
+        ) from error
 
 
 def _read_picture(path: Path) -> FloatArray:

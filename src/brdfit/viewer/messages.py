@@ -24,6 +24,8 @@ class LightSet:
     direction: list[list[float]]
     irradiance: list[list[float]]
     surround: list[float]
+    warnings: list[str]
+    """What the reader of a panorama had to leave out."""
 
 
 @dataclass(frozen=True)

@@ -153,9 +153,11 @@ class Workbench:
     def environment(self, path: Path) -> LightSet:
         """Return the lights of a panorama that lies in a folder of its own; the file goes."""
         try:
-            return lights_message(environment_from(path))
+            with heard() as warned:
+                lights = environment_from(path)
         finally:
             shutil.rmtree(path.parent)
+        return lights_message(lights, warned.messages)
 
     def fit(self, request: FitRequest) -> Job:
         """Queue a fit; `UsageError` for what the request cannot mean."""
@@ -250,7 +252,7 @@ def _writer(item: Item, kind: str, format: str) -> Callable[[Path], Any]:
     return lambda path: write_table(table, path, format=sheet.name)
 
 
-def lights_message(lights: Illumination) -> LightSet:
+def lights_message(lights: Illumination, warnings: tuple[str, ...] = ()) -> LightSet:
     """Return lights as the page takes them."""
     return LightSet(
         name=lights.name,
@@ -258,6 +260,7 @@ def lights_message(lights: Illumination) -> LightSet:
         direction=lights.direction.tolist(),
         irradiance=lights.irradiance.tolist(),
         surround=list(lights.surround),
+        warnings=list(warnings),
     )
 
 

@@ -80,7 +80,7 @@ export class Stage {
   }
 
   private controls(): HTMLElement {
-    const file = html("input", { type: "file", accept: ".exr,.png,.jpg,.jpeg", hidden: true });
+    const file = html("input", { type: "file", accept: ".exr,.hdr,.png,.jpg,.jpeg", hidden: true });
     file.onchange = () => void this.takeEnvironment(file);
     const environment = html("button", { type: "button" }, "Environment map…");
     environment.onclick = () => file.click();
@@ -134,6 +134,7 @@ export class Stage {
     if (!file) return;
     try {
       const found = await api.environment(file);
+      for (const warning of found.warnings) this.complain(warning);
       this.lights.set(found.name, found);
       const known = [...this.lightSelect.options].some((one) => one.value === found.name);
       if (!known) this.lightSelect.add(new Option(found.title, found.name));

@@ -11,6 +11,7 @@ from typing import Any
 
 from brdfit.physics import Verdict
 from brdfit.report.page.contents import Contents
+from brdfit.report.page.pictures import MOST_DIFFERENT
 
 __all__ = ["page_of"]
 
@@ -36,6 +37,7 @@ def page_of(contents: Contents) -> str:
     page: str = _template().render(
         c=_with_markup(contents),
         marks=_MARKS,
+        most_different=f"{MOST_DIFFERENT:g}",
         version=_version(),
         style=Markup(style),
         style_hash=_policy_hash(style),
