@@ -12,7 +12,7 @@ from brdfit.grid import Grid
 from brdfit.progress import silent
 
 GRID = Grid(18, 15, 20)
-SETTINGS = PaperSettings(universe=0.3, image_size=12, grid=GRID)
+SETTINGS = PaperSettings(universe=0.3, image_size=12, grid=GRID, parts=("errors",))
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def test_a_material_is_not_among_the_others(scene):
 
 
 def test_a_few_materials_are_spread_over_the_population(toy_population):
-    few = PaperSettings(materials=3, grid=GRID)
+    few = PaperSettings(materials=3, grid=GRID, parts=("errors",))
     assert Scene.subjects_of(few, toy_population) == [0, 3, 6]
     assert Scene.subjects_of(SETTINGS, toy_population) == list(range(7))
 

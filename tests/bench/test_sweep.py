@@ -27,6 +27,7 @@ TINY = SweepSettings(
         outlier_ratios=(0.0, 0.4),
         image_size=12,
         grid=Grid(18, 15, 20),
+        parts=("errors",),
     ),
     materials=2,
     questions=(

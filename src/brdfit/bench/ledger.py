@@ -6,12 +6,12 @@ each, on the disk before the next is counted. A last line that was torn by the k
 on resume. At the end one self-contained result file is written atomically: header (settings,
 versions, seeds, hashes of the inputs) and records sorted by key, nothing else, so that an
 undisturbed run and one killed ten times give the same bytes. Times are kept in a file of
-their own. A journal of other settings or other code is not continued: that is an error, and
-`restart` is the way out.
+their own, those among the records (an entry `seconds`) as well. A journal of other settings or
+other code is not continued: that is an error, and `restart` is the way out.
 
     out.json                the result
     out.journal.jsonl       only while a run is unfinished
-    out.timings.json        seconds per task and the machine
+    out.timings.json        seconds per task, per record that states them, and the machine
 """
 
 from __future__ import annotations
@@ -36,12 +36,23 @@ from brdfit.progress import Progress, silent
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["Journal", "Ledger", "Record", "code_fingerprint", "figure", "read_result", "versions"]
+__all__ = [
+    "Journal",
+    "Ledger",
+    "Record",
+    "code_fingerprint",
+    "figure",
+    "read_result",
+    "record_seconds",
+    "versions",
+]
 
 Record = dict[str, Any]
 """One JSON object with a unique `key`."""
 
 _LOCK_SECONDS = 10.0
+# The entry of a record that no repetition gives again.
+_SECONDS = "seconds"
 # What draws and prints is not what a figure depends on.
 _NOT_NUMERICAL = {"cli", "viewer", "report"}
 
@@ -131,7 +142,8 @@ class Ledger:
             with Journal(self.journal_path, self.plain_header, self.restart) as journal:
                 self._fill(journal, tasks, work, prepare, progress, say, label)
                 records = sorted(journal.records(keys), key=lambda record: str(record["key"]))
-                self._write_timings(journal)
+                self._write_timings(journal, records)
+                records = [_timeless(record) for record in records]
                 write_result(self.result, self.plain_header, records)
             self.journal_path.unlink()
         return records
@@ -174,11 +186,17 @@ class Ledger:
         records = found.pop("records")
         return list(records) if found == self.plain_header else None
 
-    def _write_timings(self, journal: Journal) -> None:
+    def _write_timings(self, journal: Journal, records: Sequence[Record]) -> None:
         machine = {"cpus": os.cpu_count(), "platform": platform.platform(), "workers": self.workers}
         total = sum(journal.seconds.values())
         times = {key: round(journal.seconds[key], 3) for key in sorted(journal.seconds)}
-        content = {"machine": machine, "seconds_of_work": round(total, 1), "seconds": times}
+        fits = {str(one["key"]): one[_SECONDS] for one in records if _SECONDS in one}
+        content = {
+            "machine": machine,
+            "seconds_of_work": round(total, 1),
+            "seconds": times,
+            "records": fits,
+        }
         with atomic_path(self.timings_path) as aside:
             aside.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
@@ -255,6 +273,20 @@ class Journal:
                 f"command it was started with to finish it, or start afresh with --restart, which "
                 f"throws its finished parts away."
             )
+
+
+def record_seconds(result: Path) -> dict[str, float]:
+    """Return the seconds of the records that stated them, by key, from beside a result."""
+    path = result.with_suffix(".timings.json")
+    try:
+        found = json.loads(path.read_text(encoding="utf-8")).get("records", {})
+    except (OSError, ValueError):
+        return {}
+    return {str(key): float(value) for key, value in found.items()}
+
+
+def _timeless(record: Record) -> Record:
+    return {name: value for name, value in record.items() if name != _SECONDS}
 
 
 def read_result(path: Path) -> dict[str, Any]:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HELP", "SweepSettings", "add_arguments", "run"]
 
-_SCENE = PaperSettings(data_ratios=(0.1,), outlier_ratios=(0.0, 0.4, 0.8))
+_SCENE = PaperSettings(data_ratios=(0.1,), outlier_ratios=(0.0, 0.4, 0.8), parts=("errors",))
 
 HELP = "compare the values of constants on materials set apart for that"
 
@@ -118,8 +118,7 @@ def _compute(
 ) -> None:
     population = _population(arguments.population)
     subjects = {
-        population.members[subject]: subject
-        for subject in Scene.subjects_of(PaperSettings(), population)
+        population.members[subject]: subject for subject in Scene.subjects_of(_SCENE, population)
     }
     used = used_materials(subjects, settings.materials)
     header: dict[str, object] = {
@@ -198,7 +197,7 @@ def _work(scene: Scene, task: Task) -> list[Record]:
         for ratio in scene.settings.outlier_ratios:
             measured = scene.measured(case.subject, case.rows, data_ratio, ratio).values
             for variant, column in columns.items():
-                values = column.reconstruct(scene, prepared, case, measured)
+                values = column.reconstruct(scene, prepared, case, measured).values
                 found.append(_record(scene, variant, case, ratio, values))
     return found
 

@@ -7,12 +7,14 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from brdfit.bench.ledger import read_result, versions
+from brdfit.bench.ledger import read_result, record_seconds, versions
 from brdfit.bench.options import Say, add_run_arguments, ledger_of, share
 from brdfit.bench.outliers import DEFAULT_OUTLIERS, OUTLIER_MODELS
+from brdfit.bench.paper.few import row_of
 from brdfit.bench.paper.parts import Run, charts, work
+from brdfit.bench.paper.poster import DATA_RATIOS, OUTLIER_RATIOS
 from brdfit.bench.paper.reproduction import page
-from brdfit.bench.paper.settings import PARTS, PaperSettings
+from brdfit.bench.paper.settings import FEW_ROWS, PARTS, FewRow, PaperSettings
 from brdfit.errors import UsageError
 from brdfit.files import atomic_path
 from brdfit.progress import Progress
@@ -44,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--methods",
         nargs="+",
         metavar="NAME",
-        help="these columns: our glo loc tab (the poster's, default) pca",
+        help="these columns (default: our glo loc tab, the poster's, and post); there is also pca",
     )
     parser.add_argument(
         "--outliers",
@@ -63,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--materials", type=int, default=0, metavar="N", help="reconstruct only N (default: all)"
     )
+    _add_cell_arguments(parser)
     parser.add_argument(
         "--docs", type=Path, metavar="PAGE", help="write the page of tables here as well"
     )
@@ -72,6 +75,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="compute nothing: make tables and figures again from RESULT as it is",
     )
     add_run_arguments(parser, "benchmarks/results/paper.json")
+
+
+def _add_cell_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--rows",
+        nargs="+",
+        type=_row,
+        default=list(FEW_ROWS),
+        metavar="N:MODEL",
+        help="tables of few samples: so many samples, wrong by this outlier model (default: "
+        + " ".join(f"{count}:{model}" for count, model in FEW_ROWS)
+        + ")",
+    )
+    for name, what, ratios in (
+        ("--outlier-ratios", "shares of the samples that are wrong", OUTLIER_RATIOS),
+        ("--data-ratios", "shares of the universe that are samples", DATA_RATIOS),
+    ):
+        parser.add_argument(
+            name,
+            nargs="+",
+            type=float,
+            default=list(ratios),
+            metavar="SHARE",
+            help=f"{what} (default: {' '.join(f'{ratio:g}' for ratio in ratios)})",
+        )
+
+
+def _row(text: str) -> FewRow:
+    try:
+        return row_of(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"found {text!r} but expected samples and outlier model, as in 1000:factor"
+        ) from None
 
 
 def run(arguments: argparse.Namespace, progress: Progress, say: Say) -> None:
@@ -102,6 +139,9 @@ def _settings(arguments: argparse.Namespace) -> PaperSettings:
     return PaperSettings(
         seed=arguments.seed,
         outliers=arguments.outliers,
+        few=tuple(dict.fromkeys(arguments.rows)),
+        data_ratios=tuple(dict.fromkeys(arguments.data_ratios)),
+        outlier_ratios=tuple(dict.fromkeys(arguments.outlier_ratios)),
         universe=1.0 if arguments.full else arguments.universe,
         materials=arguments.materials,
         parts=tuple(parts),
@@ -145,6 +185,13 @@ def _command(arguments: argparse.Namespace, settings: PaperSettings) -> str:
         words.append(f"--universe {settings.universe:g}")
     if settings.materials:
         words.append(f"--materials {settings.materials}")
+    if settings.data_ratios != DATA_RATIOS:
+        words.append("--data-ratios " + " ".join(f"{ratio:g}" for ratio in settings.data_ratios))
+    if settings.outlier_ratios != OUTLIER_RATIOS:
+        shares = " ".join(f"{ratio:g}" for ratio in settings.outlier_ratios)
+        words.append(f"--outlier-ratios {shares}")
+    if "few" in settings.parts and settings.few != FEW_ROWS:
+        words.append("--rows " + " ".join(f"{count}:{model}" for count, model in settings.few))
     if arguments.methods:
         words.append("--methods " + " ".join(arguments.methods))
     if arguments.parts:
@@ -158,13 +205,13 @@ def _figure_folder(result: Path) -> Path:
 
 def _write_pages(arguments: argparse.Namespace, content: dict[str, Any], say: Say) -> None:
     folder = _figure_folder(arguments.output)
-    figures = charts(content, folder)
+    figures, seconds = charts(content, folder), record_seconds(arguments.output)
     targets = [arguments.output.with_suffix(".md")]
     targets += [arguments.docs] if arguments.docs is not None else []
     for target in targets:
         links = {name: _link(path, target) for name, path in figures.items()}
         with atomic_path(target) as aside:
-            aside.write_text(page(content, links), encoding="utf-8")
+            aside.write_text(page(content, links, seconds), encoding="utf-8")
     say(f"wrote {arguments.output}, {', '.join(map(str, targets))} and figures in {folder}")
 
 

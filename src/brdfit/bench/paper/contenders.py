@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
-from brdfit.bench.paper.contender import Case, Contender
+from brdfit.bench.paper.contender import Answer, Case, Contender
+from brdfit.bench.paper.posterior import Process
 from brdfit.bench.paper.principal import Principal
 from brdfit.bench.paper.scene import Scene
 from brdfit.bench.paper.settings import METRICS
@@ -24,6 +25,7 @@ from brdfit.reconstruct.global_basis import GlobalBasis
 from brdfit.reconstruct.local_basis import LocalBasis
 from brdfit.reconstruct.members import MemberRows
 from brdfit.reconstruct.pca_ridge import PcaRidge
+from brdfit.reconstruct.posterior import Posterior
 from brdfit.reconstruct.result import settings_record
 from brdfit.reconstruct.tabulated import Tabulated, half_diff_features
 from brdfit.reconstruct.targets import Targets
@@ -47,6 +49,7 @@ def methods_of(population: Population) -> dict[str, Method]:
         "loc": LocalBasis(),
         "tab": Tabulated(),
         "pca": PcaRidge(population=population),
+        "post": Posterior(population=population),
     }
 
 
@@ -59,6 +62,7 @@ def contenders_of(population: Population) -> dict[str, Contender]:
         "loc": Splined(LocalBasis()),
         "tab": Interpolated(Tabulated()),
         "pca": Principal(PcaRidge(population=population)),
+        "post": Process(Posterior(population=population)),
     }
     for metric in METRICS:
         found[f"our:{metric}"] = Corrected(replace(our, error_metric=metric))
@@ -100,7 +104,7 @@ class Combined:
 
     def share(self, case: Case) -> Hashable:
         """Cases of a data ratio share their equations."""
-        return case.data_ratio
+        return case.places
 
     def prepare(self, scene: Scene, case: Case) -> list[tuple[FloatArray, FloatArray]]:
         """Return (encoded members at the samples, their Gram matrix) of each channel."""
@@ -117,7 +121,7 @@ class Combined:
         prepared: list[tuple[FloatArray, FloatArray]],
         case: Case,
         values: FloatArray,
-    ) -> FloatArray:
+    ) -> Answer:
         """Return f_r (m, channels) at the target."""
         metric = error_metric(self.method.error_metric)
         free = int(metric.needs_constant)
@@ -133,7 +137,7 @@ class Combined:
             )
             coefficients[channel, columns] = nonnegative(equations, free)
         combination = Combination(metric, np.arange(len(prepared)), coefficients)
-        return np.exp(combination.log_value(MemberRows(tuple(scene.at_target))))
+        return Answer(np.exp(combination.log_value(MemberRows(tuple(scene.at_target)))))
 
 
 @dataclass(eq=False)
@@ -166,7 +170,7 @@ class Corrected:
 
     def reconstruct(
         self, scene: Scene, prepared: MaterialBasis, case: Case, values: FloatArray
-    ) -> FloatArray:
+    ) -> Answer:
         """Return f_r (m, channels) at the target."""
         rows, basis_values = prepared.at(case)
         roles = np.arange(scene.n_channels)
@@ -176,7 +180,7 @@ class Corrected:
         log_value = combination.log_value(prepared.target)
         if loop.corrections:
             log_value = log_value + log_of_corrections(loop.corrections, prepared.target_values)
-        return np.exp(log_value)
+        return Answer(np.exp(log_value))
 
 
 @dataclass(eq=False)
@@ -188,7 +192,7 @@ class MaterialBasis:
     universe_values: FloatArray
     target: MemberRows
     target_values: FloatArray
-    _case: tuple[float, MemberRows, FloatArray] | None = None
+    _case: tuple[Hashable, MemberRows, FloatArray] | None = None
 
     @classmethod
     def of(cls, scene: Scene, subject: int, gram: MemberGram) -> MaterialBasis:
@@ -203,10 +207,10 @@ class MaterialBasis:
 
     def at(self, case: Case) -> tuple[MemberRows, FloatArray]:
         """Return members and correction functions at the measurements of a case."""
-        if self._case is None or self._case[0] != case.data_ratio:
+        if self._case is None or self._case[0] != case.places:
             self._case = None
             taken = self.universe.take(case.rows), self.universe_values[case.rows]
-            self._case = (case.data_ratio, *taken)
+            self._case = (case.places, *taken)
         return self._case[1], self._case[2]
 
 
@@ -239,7 +243,7 @@ class Splined:
 
     def share(self, case: Case) -> Hashable:
         """Cases of a data ratio share their equations."""
-        return case.data_ratio
+        return case.places
 
     def prepare(self, scene: Scene, case: Case) -> SplineSystem:
         """Return the equations at the cells of the case."""
@@ -252,11 +256,11 @@ class Splined:
 
     def reconstruct(
         self, scene: Scene, prepared: SplineSystem, case: Case, values: FloatArray
-    ) -> FloatArray:
+    ) -> Answer:
         """Return f_r (m, channels) at the target."""
         model = self.method.fit_solved(prepared.solve, np.log(values))
         spline = prepared.target @ model.coefficients.astype(np.float32)
-        return np.exp(model.decode(spline))
+        return Answer(np.exp(model.decode(spline)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,7 +282,7 @@ class Interpolated:
 
     def share(self, case: Case) -> Hashable:
         """Cases of a data ratio share their weights."""
-        return case.data_ratio
+        return case.places
 
     def prepare(self, scene: Scene, case: Case) -> TabOperator:
         """Return the weights from the cells of the case to the target."""
@@ -290,9 +294,9 @@ class Interpolated:
 
     def reconstruct(
         self, scene: Scene, prepared: TabOperator, case: Case, values: FloatArray
-    ) -> FloatArray:
+    ) -> Answer:
         """Return f_r (m, channels) at the target."""
-        return prepared.apply(values)
+        return Answer(prepared.apply(values))
 
 
 def _rows(columns: FloatArray, members: IntArray) -> MemberRows:

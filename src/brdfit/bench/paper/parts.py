@@ -7,10 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from brdfit.bench.ledger import Record, figure
 from brdfit.bench.paper.contender import Contender, ErrorWork, error_tasks
 from brdfit.bench.paper.contenders import contenders_of, methods_of
 from brdfit.bench.paper.expressiveness import Expressiveness
+from brdfit.bench.paper.few import few_records, few_tasks
 from brdfit.bench.paper.figures import heat_maps, outlier_curves, worst_spheres
 from brdfit.bench.paper.poster import TITLES
 from brdfit.bench.paper.scene import Scene
@@ -35,7 +38,10 @@ if TYPE_CHECKING:
     from brdfit.populations import Population
     from brdfit.reconstruct.result import Method
 
-__all__ = ["Run", "charts"]
+__all__ = ["COLUMNS", "Run", "charts", "work"]
+
+COLUMNS = (*TITLES, "post")
+"""The columns that are made unless others are asked for: the poster's, and the posterior."""
 
 _WORST = 5
 _WORST_OUTLIERS = 0.4
@@ -61,13 +67,13 @@ class Run:
         data: Path | None,
         names: Sequence[str] | None,
     ) -> Run:
-        """Return the run of these settings; `names` are the columns, None is the poster's."""
+        """Return the run of these settings; `names` are the columns, None is `COLUMNS`."""
         contenders = contenders_of(population)
         known = [name for name in contenders if ":" not in name]
         unknown = sorted(set(names or ()) - set(known))
         if unknown:
             raise UsageError(f"--methods: found {unknown[0]!r} but known are {', '.join(known)}.")
-        wanted = set(names or TITLES)
+        wanted = set(names or COLUMNS)
         return cls(
             settings=settings,
             population=population,
@@ -91,6 +97,8 @@ class Run:
             names = [name for name in self.contenders if ":" not in name]
             ratios = settings.data_ratios, settings.outlier_ratios
             found += error_tasks("errors", names, self.contenders, subjects, *ratios)
+        if "few" in settings.parts:
+            found += self._few_tasks(subjects)
         if "sensitivity" in settings.parts:
             names = [name for name in self.contenders if ":" in name]
             if "errors" in settings.parts and 0.0 in settings.outlier_ratios:
@@ -110,6 +118,12 @@ class Run:
         ]
         return found
 
+    def _few_tasks(self, subjects: Sequence[int]) -> list[Task]:
+        names = [name for name in self.contenders if ":" not in name]
+        _, numbers = np.unique(np.array(self.population.materials), return_inverse=True)
+        materials = [(subject, int(np.ravel(numbers)[subject])) for subject in subjects]
+        return few_tasks(names, self.contenders, materials, self.settings)
+
     def _is_tabled(self, name: str) -> bool:
         base = name.split(":")[0]
         return base in self.contenders and self.contenders[base].metric == name.split(":")[1]
@@ -127,11 +141,16 @@ class Run:
         needs_scene = any(task.payload[0] != "real" for task in tasks)
         scene = Scene.build(self.settings, self.population, progress) if needs_scene else None
         return Shared(
-            errors=None if scene is None else ErrorWork(scene, self.contenders),
+            errors=None if scene is None else ErrorWork(scene, self._used(tasks)),
             methods=self.methods,
             samples={case.name: read_case(case) for case in self.cases},
             split=Split(self.settings.fraction, self.settings.seed),
         )
+
+    def _used(self, tasks: Sequence[Task]) -> dict[str, Contender]:
+        """Return the contenders of these tasks: the others need nothing prepared."""
+        names = {task.payload[1] for task in tasks}
+        return {name: one for name, one in self.contenders.items() if name in names}
 
     def pictures(self, records: Sequence[Record], folder: Path, progress: Progress) -> None:
         """Draw the worst materials of our method beside their references."""
@@ -143,7 +162,7 @@ class Run:
         outliers = min(ratios, key=lambda ratio: abs(ratio - _WORST_OUTLIERS))
         names = summary.worst("our", outliers, data, _WORST)
         scene = Scene.build(self.settings, self.population, progress)
-        work = ErrorWork(scene, self.contenders)
+        work = ErrorWork(scene, {"our": self.contenders["our"]})
         found = []
         progress("worst spheres", 0, len(names))
         for index, name in enumerate(names):
@@ -176,6 +195,8 @@ class Shared:
         assert self.errors is not None
         if part == "expressiveness":
             return [self._expressiveness(self.errors.scene, task.payload[1])]
+        if part == "few":
+            return few_records(self.errors, task)
         return self.errors.records(task)
 
     def _expressiveness(self, scene: Scene, subject: int) -> Record:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
-from brdfit.bench.paper.contender import Case
+from brdfit.bench.paper.contender import Answer, Case
 from brdfit.bench.paper.scene import Scene
 from brdfit.linalg import NormalEquations
 from brdfit.reconstruct.members import MemberRows
@@ -83,7 +83,7 @@ class Principal:
 
     def share(self, case: Case) -> Hashable:
         """Cases of a data ratio share their Gram matrix."""
-        return case.data_ratio
+        return case.places
 
     def prepare(self, scene: Scene, case: Case) -> _Prepared:
         """Return the columns at the samples, and their Gram matrix."""
@@ -96,7 +96,7 @@ class Principal:
 
     def reconstruct(
         self, scene: Scene, prepared: _Prepared, case: Case, values: FloatArray
-    ) -> FloatArray:
+    ) -> Answer:
         """Return f_r (m, channels) at the target."""
         assert self._target is not None
         count = len(scene.names)
@@ -113,7 +113,7 @@ class Principal:
             axes.T @ gram @ axes, axes.T @ moment, float(len(y)), np.sum(y**2, axis=0)
         )
         mapped = combined(self._target.values[:, columns], axes @ self.method.solve(equations))
-        return self._mapping.decode(mapped, self._target.cosine)
+        return Answer(self._mapping.decode(mapped, self._target.cosine))
 
     def _axes(self, scene: Scene, columns: IntArray, samples: int) -> FloatArray:
         """Return as many principal axes (K, k) as there are samples; the ridge needs no others.

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from brdfit.bench.ledger import Record
 from brdfit.bench.markdown import Column, table
+from brdfit.bench.paper.few_page import few_blocks, posterior_blocks
 from brdfit.bench.paper.poster import CITATION, TITLES
 from brdfit.bench.paper.summary import Summary
 from brdfit.bench.paper.tables import (
@@ -21,16 +23,21 @@ from brdfit.bench.tuning import EVERY
 __all__ = ["page"]
 
 
-def page(content: dict[str, Any], figures: dict[str, str]) -> str:
+def page(
+    content: dict[str, Any], figures: dict[str, str], seconds: Mapping[str, float] | None = None
+) -> str:
     """Return the page of a result file's content; `figures` maps a figure to its link.
 
     Known figures: "heat_maps", "outliers", "worst". Parts that were not run are left out.
+    `seconds` are those that single records took, by key.
     """
     summary = Summary(content["records"])
     settings = content["settings"]
     blocks = [_opening(content, settings)]
     if summary.part("errors"):
         blocks += _errors(summary, settings, figures)
+    if summary.part("few"):
+        blocks += few_blocks(summary, seconds or {})
     if summary.part("sensitivity"):
         blocks += _sensitivity(summary)
     if summary.part("expressiveness"):
@@ -75,6 +82,7 @@ def _errors(summary: Summary, settings: dict[str, Any], figures: dict[str, str])
             advantage(summary, sparsest),
         ]
         blocks += _untouched(summary, settings, sparsest)
+    blocks += posterior_blocks(summary)
     titles = {
         "heat_maps": "The tables as heat maps",
         "outliers": "Error against outlier ratio",

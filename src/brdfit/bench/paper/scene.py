@@ -1,6 +1,7 @@
 """Everything that all cases of the poster's tables share: cells, columns, pictures.
 
 The *universe* is a stratified subset of the grid's cells: the measurements of data ratio 1.
+Behind it, where the tables of few samples are made, lie their draws of random cells.
 The *target* is the set of directions that the sphere of the perceptual error asks for: nothing
 else of a reconstruction is ever seen, so nothing else is computed. The columns of the
 population, ln f_r of every member, are worked out once at both.
@@ -8,6 +9,7 @@ population, ln f_r of every member, are worked out once at both.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -55,13 +57,15 @@ class Scene:
 
     | name        | shape                 | meaning                                        |
     |-------------|-----------------------|------------------------------------------------|
-    | `universe`  | (n,)                  | flat cells that are measurements               |
+    | `universe`  | (n + d,)              | flat cells that are measurements, the draws of |
+    |             |                       | few samples behind them                        |
     | `target`    | (m, 3) twice          | directions (wi, wo) that the sphere asks for   |
-    | `at_universe` | (channels, n, members) | ln f_r there, float32                       |
+    | `at_universe` | (channels, n + d, members) | ln f_r there, float32                   |
     | `at_target` | (channels, m, members) | ln f_r there, float32                         |
     | `materials` | (members,)            | number of the material of each member          |
     | `subjects`  | (s,)                  | members that are reconstructed, one a material |
     | `order`     | (n,)                  | the universe shuffled                          |
+    | `draws`     | by (samples, draw)    | rows of a draw of few samples                  |
 
     The data of ratio r are the first r n rows of the shuffled universe.
     """
@@ -75,6 +79,7 @@ class Scene:
     materials: IntArray
     subjects: IntArray
     order: IntArray
+    draws: Mapping[tuple[int, int], IntArray]
 
     @classmethod
     def build(cls, settings: PaperSettings, population: Population, progress: Progress) -> Scene:
@@ -86,6 +91,7 @@ class Scene:
         target = view.queries.wi, view.queries.wo
         count = max(1, round(settings.universe * grid.cells.size))
         universe = stratified(grid, count, generator(settings.seed, "universe"))
+        draws, universe = _with_draws(settings, universe)
         material = np.unique(np.array(population.materials), return_inverse=True)[1]
         return cls(
             settings=settings,
@@ -99,6 +105,7 @@ class Scene:
             materials=frozen(np.ravel(material)),
             subjects=frozen(cls.subjects_of(settings, population)),
             order=frozen(generator(settings.seed, "order").permutation(count)),
+            draws=draws,
         )
 
     @staticmethod
@@ -150,17 +157,26 @@ class Scene:
         """
         key = (self.names[subject], f"d{data_ratio:g}", f"o{outlier_ratio:g}")
         rng = generator(self.settings.seed, "outliers", *key)
-        return contaminate(
-            self.settings.outliers,
-            self.values(subject, rows),
-            outlier_ratio,
-            rng,
-            self.theta_i[rows],
-        )
+        return self._spoilt(self.settings.outliers, subject, rows, outlier_ratio, rng)
+
+    def draw_of(self, subject: int, count: int) -> int:
+        """Return which draw of `count` samples a member has."""
+        return int(self.materials[subject]) % self.settings.draws_of(count)
+
+    def few(self, subject: int, rows: IntArray, model: str, outlier_ratio: float) -> Contaminated:
+        """Return the measurements of a member at the rows of a draw, outliers among them."""
+        key = (self.names[subject], f"n{rows.size}", model, f"o{outlier_ratio:g}")
+        rng = generator(self.settings.seed, "few", *key)
+        return self._spoilt(model, subject, rows, outlier_ratio, rng)
+
+    def _spoilt(
+        self, model: str, subject: int, rows: IntArray, ratio: float, rng: np.random.Generator
+    ) -> Contaminated:
+        return contaminate(model, self.values(subject, rows), ratio, rng, self.theta_i[rows])
 
     @cached_property
     def theta_i(self) -> FloatArray:
-        """(n,) incidence angles of the universe, radians."""
+        """(n + d,) incidence angles of the universe, radians."""
         cos_i, _ = cos_incident_outgoing(*self.settings.grid.half_diff(self.universe))
         return np.arccos(np.clip(cos_i, -1.0, 1.0))
 
@@ -170,6 +186,23 @@ class Scene:
 
         images = [self.view.disk(one)[:, None, :] for one in (self.reference(subject), values)]
         return perceptual_error(images[0], images[1])
+
+
+def _with_draws(
+    settings: PaperSettings, universe: IntArray
+) -> tuple[dict[tuple[int, int], IntArray], IntArray]:
+    """Return (rows of every draw, the universe with the cells of the draws behind it)."""
+    if "few" not in settings.parts:
+        return {}, universe
+    draws: dict[tuple[int, int], IntArray] = {}
+    cells, start = [universe], universe.size
+    for count in sorted({count for count, _ in settings.few}):
+        for draw in range(settings.draws_of(count)):
+            rng = generator(settings.seed, "draw", str(count), str(draw))
+            cells.append(np.sort(rng.choice(settings.grid.cells, count, replace=False)))
+            draws[count, draw] = np.arange(start, start + count)
+            start += count
+    return draws, np.concatenate(cells)
 
 
 def _columns(

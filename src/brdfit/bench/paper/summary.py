@@ -10,6 +10,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray
 from brdfit.bench.ledger import Record
+from brdfit.bench.paper.poster import TITLES
 
 __all__ = ["Summary"]
 
@@ -35,12 +36,33 @@ class Summary:
     def methods(self, part: str) -> list[str]:
         """Return the methods of a part, in the order in which the tables show them."""
         seen = {record["method"] for record in self.part(part)}
-        return [name for name in ("our", "glo", "loc", "tab") if name in seen] + sorted(
-            seen - {"our", "glo", "loc", "tab"}
-        )
+        return [*(name for name in TITLES if name in seen), *sorted(seen - set(TITLES))]
+
+    @cached_property
+    def _few(self) -> dict[tuple[str, int, str, float], list[Record]]:
+        found: dict[tuple[str, int, str, float], list[Record]] = {}
+        for record in self.part("few"):
+            cell = (record["method"], record["samples"], record["outliers"])
+            found.setdefault((*cell, record["outlier_ratio"]), []).append(record)
+        return found
+
+    def few_rows(self) -> list[tuple[int, str]]:
+        """Return (samples, outlier model) of the tables of few samples, most samples first."""
+        return sorted({cell[1:3] for cell in self._few}, key=lambda row: (-row[0], row[1]))
+
+    def few_ratios(self) -> list[float]:
+        """Return the outlier ratios of the tables of few samples, ascending."""
+        return sorted({cell[3] for cell in self._few})
+
+    def few(self, method: str, row: tuple[int, str], outlier_ratio: float) -> list[Record]:
+        """Return the records of a cell of few samples, one a material."""
+        return self._few.get((method, *row, outlier_ratio), [])
 
     def errors(self, method: str, outlier_ratio: float, data_ratio: float) -> FloatArray:
-        """Return the perceptual errors of a cell, one a material; empty where it was not run."""
+        """Return the perceptual errors of a cell, one a material; empty where it was not run.
+
+        NaN is a fit that was refused.
+        """
         records = self._errors.get((method, outlier_ratio, data_ratio), [])
         return np.array([record["error"] for record in records], dtype=np.float64)
 
@@ -51,13 +73,15 @@ class Summary:
         data_ratio: float,
         among: Collection[str] | None = None,
     ) -> float | None:
-        """Return the mean perceptual error of a cell, None where it was not run.
+        """Return the mean perceptual error of a cell, None where it was not run or refused.
 
         `among` are the materials that count; None is all.
         """
         records = self._errors.get((method, outlier_ratio, data_ratio), [])
         errors = [one["error"] for one in records if among is None or one["material"] in among]
-        return float(np.mean(np.array(errors, dtype=np.float64))) if errors else None
+        if not errors or None in errors:
+            return None
+        return float(np.mean(np.array(errors, dtype=np.float64)))
 
     def ratios(self) -> tuple[list[float], list[float]]:
         """Return (outlier ratios ascending, data ratios descending) of the run."""
@@ -69,6 +93,7 @@ class Summary:
     def worst(self, method: str, outlier_ratio: float, data_ratio: float, count: int) -> list[str]:
         """Return the materials with the largest errors of a cell, worst first."""
         records = self._errors.get((method, outlier_ratio, data_ratio), [])
+        records = [record for record in records if record["error"] is not None]
         ranked = sorted(records, key=lambda record: (-record["error"], record["material"]))
         return [record["material"] for record in ranked[:count]]
 
