@@ -25,6 +25,7 @@ pytest.importorskip("starlette", reason="the viewer needs the extra: pip install
 from brdfit.viewer.serve import Server
 from brdfit.viewer.workbench import Workbench
 
+from few_materials import few_materials
 from viewer_client import Client
 
 
@@ -105,9 +106,8 @@ def full_tables() -> None:
     """Let fits give tables on the MERL grid."""
 
 
-@pytest.fixture
-def lobe_csv(tmp_path: Path) -> Path:
-    """Return a CSV of 90 measurements of a lobe, one of them eight times too large."""
+def write_lobe(path: Path) -> Path:
+    """Write 90 measurements of a lobe, one of them eight times too large; return the path."""
     lines = ["# a lobe", "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,R,G,B"]
     model = Lobe(np.array([0.1, 0.2, 0.3]))
     for theta_i in (10, 30, 50):
@@ -126,15 +126,28 @@ def lobe_csv(tmp_path: Path) -> Path:
                 )
                 value = model.evaluate(wi, wo)[0] * (8.0 if len(lines) == 86 else 1.0)
                 lines.append(f"{theta_i},0,{theta_o},{phi}," + ",".join(f"{v:.6g}" for v in value))
-    path = tmp_path / "lobe.csv"
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+@pytest.fixture
+def lobe_csv(tmp_path: Path) -> Path:
+    """Return the CSV of `write_lobe`."""
+    return write_lobe(tmp_path / "lobe.csv")
 
 
 @pytest.fixture
 def lobe(lobe_csv: Path) -> Reconstruction:
     """Return a finished fit."""
     return Quick().fit(brdfit.read_samples(lobe_csv))
+
+
+@pytest.fixture(scope="session")
+def sure(tmp_path_factory: pytest.TempPathFactory) -> Reconstruction:
+    """Return a fit of real uncertainty: `Posterior` on the lobe's measurements."""
+    path = write_lobe(tmp_path_factory.mktemp("sure") / "lobe.csv")
+    method = brdfit.Posterior(population=few_materials(), residual_size=100)
+    return method.fit(brdfit.read_samples(path))
 
 
 @pytest.fixture

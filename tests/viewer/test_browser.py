@@ -154,6 +154,24 @@ def test_an_outlier_shows_its_row_and_switching_it_off_and_refitting_changes_the
     page.wait_for_selector('button[data-entry="e2"]')
 
 
+def test_the_band_of_the_posterior_is_drawn_and_told(
+    open_tab: Any, bench: Workbench, sure: Reconstruction
+) -> None:
+    bench.open(sure)
+    page = open_tab().page
+    page.locator(".outlier-list button").first.click()
+    page.wait_for_selector(".detail tbody tr")
+    assert page.locator(".detail tr.outside").count() == 3
+    assert " … " in page.locator(".detail tbody td").nth(2).inner_text()
+    page.locator("#tab-slices").click()
+    page.wait_for_selector(".slice-plot .band")
+    for plot in (".slice-plot", ".polar-plot"):
+        bands = page.locator(f"{plot} .band").all()
+        assert len(bands) == 3
+        assert all(band.bounding_box()["height"] > 5 for band in bands)
+    assert "The band holds 95 %" in page.locator("#panel-slices .hint").inner_text()
+
+
 @pytest.mark.usefixtures("full_tables")
 def test_a_dropped_file_is_fitted_and_its_binary_downloads_and_reads_back(
     open_tab: Any, bench: Workbench, lobe_csv: Path, tmp_path: Path

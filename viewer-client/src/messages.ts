@@ -173,6 +173,8 @@ export interface SampleDetail {
   channels: ChannelDetail[];
   /** Why there is no band; empty where there is one. */
   band: string;
+  /** Where predictions come from, and why some are not known; empty where all are. */
+  prediction: string;
 }
 
 /** f_r of one channel along the slice, 1/sr; the band holds 95 % where it is known. */

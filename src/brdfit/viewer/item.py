@@ -19,6 +19,7 @@ from brdfit.albedo import directional_albedo
 from brdfit.arrays import FloatArray
 from brdfit.reconstruct.result import Reconstruction
 from brdfit.report.coverage import Reach
+from brdfit.report.drawn import drawn_samples, stddev_of
 from brdfit.report.fitted import Fitted
 from brdfit.report.packed_table import PackedTable
 from brdfit.report.rgb import Conversion, rgb_table
@@ -90,7 +91,7 @@ class Item:
 
     @cached_property
     def stddev(self) -> Callable[[FloatArray, FloatArray], FloatArray] | None:
-        """The standard deviation of ln f_r, if the method states one."""
+        """The standard deviation of ln f_r in the channels of the samples, if it is stated."""
         if self.result is not None:
             up = np.array([[0.0, 0.0, 1.0]])
             known = self.result.model.stddev(up, up) is not None
@@ -109,15 +110,12 @@ class Item:
 
     def slice(self, theta_i: float, phi: float) -> SlicePanel:
         """Return the slice at angles in degrees, with the band and the samples nearby."""
-        judged = self.fitted.judged
-        return slice_panel(
-            self.table if self.result is None else self.result,
-            None if judged is None else judged.samples,
-            None if judged is None else judged.outliers,
-            self.stddev,
-            theta_i=theta_i,
-            phi=phi,
-        )
+        angles = {"theta_i": theta_i, "phi": phi}
+        if self.result is not None:
+            result = self.result
+            return slice_panel(result, result.samples, result.outliers, self.stddev, **angles)
+        samples, outliers = drawn_samples(self.fitted)
+        return slice_panel(self.table, samples, outliers, stddev_of(self.fitted), **angles)
 
     @property
     def record(self) -> dict[str, Any]:

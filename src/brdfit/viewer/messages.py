@@ -211,6 +211,8 @@ class SampleDetail:
     channels: list[ChannelDetail]
     band: str
     """Why there is no band; empty where there is one."""
+    prediction: str
+    """Where predictions come from, and why some are not known; empty where all are."""
 
 
 @dataclass(frozen=True)

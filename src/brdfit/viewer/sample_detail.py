@@ -56,6 +56,7 @@ def sample_message(item: Item, index: int) -> SampleDetail:
         weight=number(judged.weights[index]),
         channels=_channels(item, judged, index),
         band=item.no_band,
+        prediction=_no_prediction(item, judged),
     )
 
 
@@ -96,13 +97,44 @@ def _prediction(
         return None, None
     if not np.isfinite(np.hstack([wi, wo])).all():
         return None, None
-    prediction = item.evaluate(wi, wo)[0]
-    if prediction.size != samples.n_channels:
-        # A table in R, G, B of samples in many bands.
-        return None, None
+    if _same_channels(item, samples):
+        prediction = item.evaluate(wi, wo)[0]
+    else:
+        prediction = _judged_by(item, index)
     if item.stddev is None:
         return prediction, None
-    return prediction, np.broadcast_to(item.stddev(wi, wo)[0], prediction.shape)
+    deviation = item.stddev(wi, wo)[0]
+    if deviation.size not in (1, prediction.size):
+        return prediction, None
+    return prediction, np.broadcast_to(deviation, prediction.shape)
+
+
+def _same_channels(item: Item, samples: Samples) -> bool:
+    return item.result is not None or item.table.n_channels == samples.n_channels
+
+
+def _judged_by(item: Item, index: int) -> FloatArray:
+    """Return the f_r (channels,) that the sample was judged by: value over exp(residual).
+
+    For a table in R, G, B of samples in many bands. NaN where the value was censored: its
+    residual is against a bound.
+    """
+    judged = item.fitted.judged
+    assert judged is not None
+    positive = judged.samples.positive[index]
+    with np.errstate(invalid="ignore", over="ignore"):
+        prediction = judged.samples.value[index] * np.exp(-judged.residuals[index])
+    return np.where(positive, prediction, np.nan)
+
+
+def _no_prediction(item: Item, judged: Judged) -> str:
+    """Return why some samples have no prediction; empty where all have one."""
+    if _same_channels(item, judged.samples):
+        return ""
+    return (
+        f"the table has {item.table.n_channels} channels, the samples {judged.samples.n_channels}; "
+        f"so they come from the recorded residuals, which tell nothing where a value is censored"
+    )
 
 
 def _channel_weight(item: Item, judged: Judged, index: int, channel: int) -> float:

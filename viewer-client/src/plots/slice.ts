@@ -24,6 +24,7 @@ interface Frame {
   readonly scale: Scale;
 }
 
+const MOST_ABOVE = 4;
 const TICKS = [-90, -60, -30, 0, 30, 60, 90];
 
 /** Return all values of a slice that its scale has to hold. */
@@ -37,6 +38,12 @@ export function commonScale(panels: readonly SlicePanel[], kind: ScaleKind): Sca
   const curves = panels.flatMap((panel) => panel.curves.flatMap((curve) => curve.value));
   const least = Math.min(...curves.filter((value) => value > 0)) / 30;
   const values = panels.flatMap((panel) => [...valuesOf(panel)]);
+  // The band of the first, but a very wide one must not press the curves together.
+  const [high, low] = [Math.max(...curves) * MOST_ABOVE, Math.max(least, 0)];
+  for (const curve of panels[0]?.curves ?? []) {
+    for (const value of curve.high ?? []) values.push(Math.min(value, high));
+    for (const value of curve.low ?? []) values.push(Math.max(value, low));
+  }
   // A censored value near zero must not press everything else against the top.
   return scaleOf(kind === "log" ? values.filter((value) => value >= least) : values, kind);
 }

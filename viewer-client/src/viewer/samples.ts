@@ -219,6 +219,7 @@ export class SamplesPanel {
       ]),
       channelTable(detail),
       detail.band ? html("p", { class: "hint" }, `No 95 % band: ${detail.band}.`) : "",
+      detail.prediction ? html("p", { class: "hint" }, `Predictions: ${detail.prediction}.`) : "",
     ].filter((node): node is HTMLElement => node !== "");
   }
 }
