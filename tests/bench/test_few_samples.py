@@ -155,8 +155,9 @@ def test_precision_and_recall_are_shares_of_what_was_named_and_of_what_was_moved
     assert found["recall"] == 0.5
     assert np.isclose(found["precision"], 2 / 3, rtol=1e-5)
     assert found["flagged"] == 0.375
-    nobody = judged(np.zeros(8, dtype=bool), np.zeros(8, dtype=bool), moved, 0.1)
+    nobody = judged(named, np.zeros(8, dtype=bool), moved, 0.1)
     assert nobody["precision"] is nobody["recall"] is None
+    assert nobody["flagged"] == 0.375
 
 
 def test_the_posterior_is_held_against_the_best_of_the_others():

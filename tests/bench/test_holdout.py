@@ -47,11 +47,12 @@ def bench(*words):
 
 def test_every_material_and_method_has_a_record_and_a_place_in_the_table(tmp_path, folder):
     result = tmp_path / "out.json"
-    bench("--data", folder, "-o", result, "--methods", "local", "log_rbf", "--workers", 1)
+    words = ("--methods", "local", "log_rbf", "--conditions", "share")
+    bench("--data", folder, "-o", result, *words, "--workers", 1)
     content = json.loads(result.read_text())
     records = {record["key"]: record for record in content["records"]}
     assert set(records) == {
-        f"curet/made_up.dat#{material}|{method}"
+        f"curet/made_up.dat#{material}|share|{method}"
         for material in ("01", "02")
         for method in ("local", "log_rbf")
     }
@@ -59,7 +60,11 @@ def test_every_material_and_method_has_a_record_and_a_place_in_the_table(tmp_pat
         assert record["fitted"] == 41
         assert record["compared"] + record["censored"] == record["held_out"] == 164
         assert 0.0 < record["mean"] < 0.1
+    assert {"curet/made_up.dat", "curet/table.txt"} == set(content["inputs"])
     page = result.with_suffix(".md").read_text()
+    result.with_suffix(".md").unlink()
+    bench("-o", result, "--from-result")
+    assert result.with_suffix(".md").read_text() == page
     assert "| curet/made_up.dat#02 |" in page
     assert "| local | log_rbf |" in page
     assert str(tmp_path) not in page + result.read_text()
@@ -67,7 +72,7 @@ def test_every_material_and_method_has_a_record_and_a_place_in_the_table(tmp_pat
 
 def test_the_result_does_not_depend_on_the_workers(tmp_path, folder):
     for workers in (1, 2):
-        words = ("--methods", "local", "log_rbf", "--workers", workers)
+        words = ("--methods", "local", "log_rbf", "--conditions", "100", "--workers", workers)
         bench("--data", folder, "-o", tmp_path / f"{workers}.json", *words)
     assert (tmp_path / "1.json").read_bytes() == (tmp_path / "2.json").read_bytes()
 

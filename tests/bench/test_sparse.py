@@ -10,7 +10,7 @@ import pytest
 
 from brdfit.bench.sparse import add_arguments, command, run
 from brdfit.bench.sparse.cases import IMAGE_METRICS, Scene, SparseSettings, draw_directions
-from brdfit.bench.sparse.page import means
+from brdfit.bench.sparse.page import means, page
 from brdfit.bench.sparse.published import HELD_OUT, HYPERBRDF, SAMPLES
 from brdfit.errors import FitError, PopulationError, UsageError
 from brdfit.geometry import half_diff_from_directions
@@ -72,6 +72,21 @@ def test_two_workers_give_the_bytes_of_one(tmp_path, tiny):
         words = ("--samples", 8, "--repeats", 1, "--methods", "global", "tabulated")
         bench("-o", tmp_path / f"{workers}.json", *words, "--workers", workers)
     assert (tmp_path / "1.json").read_bytes() == (tmp_path / "2.json").read_bytes()
+
+
+def test_the_posterior_is_held_against_what_it_is_to_reach():
+    cell = dict.fromkeys(IMAGE_METRICS, 0.5) | {"samples": 40, "material": "a", "repeat": 0}
+    records = [
+        cell | {"method": "pca_ridge", "perceptual_error": 1.0},
+        cell | {"method": "posterior", "perceptual_error": 1.2},
+    ]
+    known = {"name": "p", "members": 2, "fingerprint": "0"}
+    settings = {"samples": [40], "held_out": ["a"], "repeats": 1, "image_size": 12, "seed": 1}
+    content = {"records": records, "settings": settings, "population": known, "lean_on": known}
+    content |= {"methods": {"pca_ridge": {}, "posterior": {}}, "command": "", "versions": {}}
+    assert "| 40 | 1.200 | **0.376** |" in page(content)
+    del content["methods"]["posterior"]
+    assert "to reach" not in page(content)
 
 
 def test_every_method_runs_unless_some_are_named(toy_population):

@@ -54,6 +54,8 @@ _BLANK = "blank"
 # An RGL file holds every measurement twice, mirrored at the plane of incidence: with both
 # halves, what is to be predicted would be copies of what was fitted.
 _OPTIONS: dict[str, dict[str, Any]] = {"rgl": {"half": True}}
+# What a reader reads beside the file itself.
+_BESIDE = {"curet": "table.txt", "rt300s": f"{_BLANK}*.xls"}
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,8 @@ class RealCase:
     path: Path
     options: dict[str, Any] = field(default_factory=dict)
     """What `read_samples` is told beside the path."""
+    beside: tuple[Path, ...] = ()
+    """Files that its reader reads as well: a table of directions, a blank."""
 
 
 def find_cases(folder: Path) -> list[RealCase]:
@@ -74,17 +78,19 @@ def find_cases(folder: Path) -> list[RealCase]:
     """
     cases = []
     for laboratory, pattern in _FOLDERS.items():
+        others = _BESIDE.get(laboratory)
+        beside = tuple(sorted((folder / laboratory).glob(others))) if others else ()
         for path in sorted((folder / laboratory).glob(pattern)):
             name = f"{laboratory}/{path.name}"
             if path.name.startswith(_BLANK):
                 continue
             if laboratory == "curet":
                 cases += [
-                    RealCase(f"{name}#{material:02d}", path, {"material": material})
+                    RealCase(f"{name}#{material:02d}", path, {"material": material}, beside)
                     for material in _curet_materials(path)
                 ]
             else:
-                cases.append(RealCase(name, path, _OPTIONS.get(laboratory, {})))
+                cases.append(RealCase(name, path, _OPTIONS.get(laboratory, {}), beside))
     if not cases:
         looked = ", ".join(f"{name}/{pattern}" for name, pattern in _FOLDERS.items())
         raise UsageError(
@@ -109,8 +115,9 @@ def read_case(case: RealCase) -> Samples:
 
 
 def input_hashes(cases: list[RealCase]) -> dict[str, str]:
-    """Return the SHA-256 of each file, by laboratory and file name."""
-    paths = {f"{case.path.parent.name}/{case.path.name}": case.path for case in cases}
+    """Return the SHA-256 of every file that is read, by laboratory and file name."""
+    read = [path for case in cases for path in (case.path, *case.beside)]
+    paths = {f"{path.parent.name}/{path.name}": path for path in read}
     return {name: sha256_of_file(path) for name, path in sorted(paths.items())}
 
 

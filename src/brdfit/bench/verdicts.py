@@ -35,11 +35,11 @@ def deviation(clean: FloatArray, spoilt: FloatArray) -> FloatArray:
 def judged(named: BoolArray, planted: BoolArray, moved: FloatArray, noise: float) -> Record:
     """Return the figures of a list `named` (n,) where `planted` (n,) were `moved` (n,).
 
-    A figure whose denominator is zero is None.
+    A figure whose denominator is zero is None, and so is precision where none was planted.
     """
     beyond = planted & (moved > _BEYOND * noise)
     return {
-        "precision": _share(named & planted, named),
+        "precision": _share(named & planted, named) if planted.any() else None,
         "recall": _share(named & beyond, beyond),
         "flagged": figure(float(named.mean())) if named.size else None,
         "planted_beyond": int(beyond.sum()),

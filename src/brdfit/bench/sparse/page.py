@@ -43,6 +43,7 @@ def page(content: dict[str, Any]) -> str:
     blocks = [_opening(content)]
     for metric in IMAGE_METRICS:
         blocks += [f"## {_TITLES[metric]}", _table(content, figures, metric)]
+    blocks += _aims(content, figures)
     blocks += ["## What differs from the published figures", _DIFFERENCES]
     blocks += ["## The run", _provenance(content)]
     return "\n\n".join(block.strip("\n") for block in blocks) + "\n"
@@ -80,6 +81,34 @@ def _table(content: dict[str, Any], figures: Means, metric: str) -> str:
         rows.append([str(count), *cells, *(_cell(value, metric) for value in printed)])
     titles = [*methods, *(f"HyperBRDF, {learnt}" for learnt in HYPERBRDF)]
     return table([Column("N", True), *(Column(title, True) for title in titles)], rows)
+
+
+def _aims(content: dict[str, Any], figures: Means) -> list[str]:
+    """Return the section that holds the posterior against what it is to reach."""
+    if not {"posterior", "pca_ridge"} <= set(content["methods"]):
+        return []
+    rows = []
+    for count in content["settings"]["samples"]:
+        one, other = (
+            figures.get((name, count, "perceptual_error")) for name in ("posterior", "pca_ridge")
+        )
+        published = HYPERBRDF["MERL"].get(count, {}).get("perceptual_error")
+        cells = []
+        for rival, aim in ((other, 1.0), (published, 0.5)):
+            ratio = one / rival if one is not None and rival else None
+            reached = ratio is not None and ratio <= aim
+            cells.append(
+                "-" if ratio is None else f"**{ratio:.3f}**" if reached else f"{ratio:.3f}"
+            )
+        rows.append([str(count), *cells])
+    titles = ("posterior / pca_ridge", "posterior / HyperBRDF, MERL")
+    return [
+        "## What the posterior is to reach",
+        "Set before it was built: a smaller perceptual error than `pca_ridge` at every N, and at "
+        "N = 40 at most half of what HyperBRDF published. Quotients; bold is at or below 1, and "
+        "0.5 beside HyperBRDF.",
+        table([Column("N", True), *(Column(title, True) for title in titles)], rows),
+    ]
 
 
 def _cell(value: float | None, metric: str, bold: bool = False) -> str:
