@@ -12,7 +12,7 @@ export interface LightSet {
   warnings: string[];
 }
 
-/** One setting of a method, as a form shows it. */
+/** One setting of a method or of a reader, as a form shows it. */
 export interface Setting {
   name: string;
   help: string;
@@ -48,6 +48,8 @@ export interface Home {
   /** The default first. */
   methods: MethodInfo[];
   lights: LightSet[];
+  /** What can be said of a file whose columns do not speak for themselves. */
+  reading: Setting[];
   /** Bytes. */
   upload_limit: number;
 }

@@ -11,6 +11,7 @@ from brdfit.arrays import BoolArray, FloatArray, IntArray
 from brdfit.formats import list_formats
 from brdfit.geometry import spherical_from_directions, wrap_phi_d
 from brdfit.report.fit_figure import slices_of
+from brdfit.report.reading_options import READING_OPTIONS
 from brdfit.report.samples_csv import Judged
 from brdfit.samples import Flag
 from brdfit.viewer.item import Item
@@ -20,10 +21,18 @@ from brdfit.viewer.messages import (
     FitSummary,
     SampleColumns,
     SamplesSummary,
+    Setting,
     Writable,
 )
 
-__all__ = ["albedo_message", "columns_message", "entry_message", "number", "writable"]
+__all__ = [
+    "albedo_message",
+    "columns_message",
+    "entry_message",
+    "number",
+    "reading_settings",
+    "writable",
+]
 
 # A map with more dots than this shows no more, and a browser slows down.
 _MOST_SHOWN = 20_000
@@ -115,6 +124,14 @@ def writable(item: Item) -> list[Writable]:
     if item.record:
         found.append(Writable("record", "record", "record of the fit (JSON)", ".json", ""))
     return found
+
+
+def reading_settings() -> list[Setting]:
+    """Return what can be said of a file that is read, as a form shows it."""
+    return [
+        Setting(option.name, option.help, option.kind, None, list(option.choices))
+        for option in READING_OPTIONS
+    ]
 
 
 def albedo_message(item: Item) -> Albedo:

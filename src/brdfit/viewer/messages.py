@@ -30,7 +30,7 @@ class LightSet:
 
 @dataclass(frozen=True)
 class Setting:
-    """One setting of a method, as a form shows it."""
+    """One setting of a method or of a reader, as a form shows it."""
 
     name: str
     help: str
@@ -72,6 +72,8 @@ class Home:
     methods: list[MethodInfo]
     """The default first."""
     lights: list[LightSet]
+    reading: list[Setting]
+    """What can be said of a file whose columns do not speak for themselves."""
     upload_limit: int
     """Bytes."""
 

@@ -26,10 +26,11 @@ from brdfit.reconstruct.result import Method, Reconstruction
 from brdfit.render import ILLUMINATIONS, Illumination
 from brdfit.report.compare import compare
 from brdfit.report.fitted import Fitted
+from brdfit.report.reading_options import typed_options
 from brdfit.report.rgb import rgb_table
 from brdfit.samples import Samples
 from brdfit.table import Table
-from brdfit.viewer.describe import writable
+from brdfit.viewer.describe import reading_settings, writable
 from brdfit.viewer.environment import environment_from
 from brdfit.viewer.item import Item
 from brdfit.viewer.jobs import Jobs
@@ -128,6 +129,7 @@ class Workbench:
             jobs=list(self._first_jobs),
             methods=self._methods,
             lights=[lights_message(make()) for make in ILLUMINATIONS.values()],
+            reading=reading_settings(),
             upload_limit=UPLOAD_LIMIT,
         )
 
@@ -136,10 +138,11 @@ class Workbench:
     def upload(self, path: Path, options: dict[str, Any] | None = None) -> Upload:
         """Take in a file that lies in a folder of its own within the private one.
 
-        It belongs to the store from now on; what cannot be read is removed.
+        `options` are those of its reader, also as texts (`brdfit.report.reading_options`).
+        The file belongs to the store from now on; what cannot be read is removed.
         """
         try:
-            found = open_path(path, self.store.next_id("u"), options)
+            found = open_path(path, self.store.next_id("u"), typed_options(options or {}))
         except BaseException:
             shutil.rmtree(path.parent)
             raise

@@ -4,6 +4,11 @@ import type { Job } from "../messages";
 import { html } from "../plots/svg";
 import { api } from "./api";
 
+export interface Offer {
+  readonly title: string;
+  readonly act: () => void;
+}
+
 export class JobTray {
   constructor(
     private readonly place: HTMLElement,
@@ -46,12 +51,20 @@ export class JobTray {
     };
   }
 
-  /** Say what went wrong, until it is closed. */
-  complain(message: string): void {
+  /** Say what went wrong, until it is closed; `offer` is what can be done about it. */
+  complain(message: string, offer?: Offer): void {
     const close = html("button", { type: "button", class: "small" }, "Close");
     const text = html("p", { class: "problem" }, message);
     const card = html("div", { class: "job", role: "alert" }, text, close);
     close.onclick = () => card.remove();
+    if (offer) {
+      const act = html("button", { type: "button", class: "small" }, offer.title);
+      act.onclick = () => {
+        card.remove();
+        offer.act();
+      };
+      close.before(act);
+    }
     this.place.append(card);
   }
 }

@@ -1,11 +1,12 @@
 /** The viewer: what the page consists of, and how its parts hear of each other. */
 
-import type { Entry, Job } from "../messages";
+import type { Entry, Job, Upload } from "../messages";
 import { html } from "../plots/svg";
 import { api, Refused } from "./api";
 import { ComparePanel } from "./compare";
+import { declareColumns } from "./declare";
 import { FitPanel } from "./fit";
-import { JobTray } from "./jobs";
+import { JobTray, type Offer } from "./jobs";
 import { Model } from "./model";
 import { SamplesPanel } from "./samples";
 import { SlicesPanel } from "./slices";
@@ -14,6 +15,16 @@ import { tabs } from "./tabs";
 import { TrustPanel } from "./trust";
 
 const place = (id: string) => document.getElementById(id)!;
+
+/** What is wrong with a file that a person may put right by saying what its columns mean. */
+const DECLARABLE = [
+  "FormatError",
+  "UnknownFormat",
+  "NotThisFormat",
+  "CorruptFile",
+  "UsageError",
+  "SampleError",
+];
 
 class Page {
   private readonly model: Model;
@@ -115,14 +126,28 @@ class Page {
       this.tray.complain(`${file.name}: is larger than the ${limit} MB that can be dropped here.`);
       return;
     }
+    const declare = (why: string) => ({
+      title: "Say what its columns mean…",
+      act: () => {
+        const settings = this.model.home.reading;
+        void declareColumns(file, why, settings, (upload) => void this.taken(upload, declare));
+      },
+    });
     try {
-      const upload = await api.upload(file, {});
-      for (const warning of upload.warnings) this.tray.complain(warning);
-      if (upload.entry) {
-        this.model.add(await api.entry(upload.entry));
-        return;
-      }
-      this.tray.follow((await api.fit({ source: upload.id })).id);
+      await this.taken(await api.upload(file, {}), declare);
+    } catch (error) {
+      const { message } = error as Error;
+      const readable = error instanceof Refused && DECLARABLE.includes(error.kind);
+      this.tray.complain(message, readable ? declare(message) : undefined);
+    }
+  }
+
+  /** Show a table that was read, or fit measurements. */
+  private async taken(upload: Upload, declare: (why: string) => Offer): Promise<void> {
+    try {
+      for (const warning of upload.warnings) this.tray.complain(warning, declare(warning));
+      if (upload.entry) this.model.add(await api.entry(upload.entry));
+      else this.tray.follow((await api.fit({ source: upload.id })).id);
     } catch (error) {
       this.tray.complain((error as Error).message);
     }
