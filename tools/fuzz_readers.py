@@ -36,11 +36,13 @@ import numpy as np
 
 from brdfit.errors import BrdfitError, BrdfitWarning
 from brdfit.formats import list_formats, read_samples, read_table
+from brdfit.render import Environment
+from brdfit.report.environment_file import read_environment
 from brdfit.samples import Samples
 from brdfit.table import Table
 
 from mutations import mutated
-from small_files import SmallFile, small_files
+from small_files import ENVIRONMENT, SmallFile, small_files
 
 MEMORY = 1 << 30
 """What reading may take beside what the process has after its imports, in bytes."""
@@ -61,6 +63,13 @@ PLANTS: dict[str, Callable[[], object]] = {
     "memory": lambda: bytearray(3 * MEMORY),
     "mute": lambda: _raise(BrdfitError("no")),
     "warning": lambda: warnings.warn("of somebody else", RuntimeWarning, stacklevel=1),
+}
+
+
+_READERS: dict[str, Callable[..., Samples | Table | Environment]] = {
+    "samples": read_samples,
+    "table": read_table,
+    ENVIRONMENT: read_environment,
 }
 
 
@@ -88,7 +97,7 @@ class Inputs:
 
     def __init__(self, seed: int, formats: list[str], folder: Path) -> None:
         self._seed = seed
-        known = {sheet.name for sheet in list_formats()}
+        known = {sheet.name for sheet in list_formats()} | {ENVIRONMENT}
         unknown = sorted(set(formats) - known)
         if unknown:
             raise SystemExit(f"no format {unknown[0]!r}; there are: {', '.join(sorted(known))}")
@@ -97,7 +106,7 @@ class Inputs:
         has_small = {s.format for s in self.small if s.size <= _SMALL}
         weights = np.array(
             [
-                1.0 if s.size <= _SMALL else _RARE if s.format in has_small else _ALONE
+                s.share if s.size <= _SMALL else _RARE if s.format in has_small else _ALONE
                 for s in self.small
             ]
         )
@@ -138,8 +147,9 @@ def outcome_of(case: Case, folder: Path, plant: str | None = None) -> str:
     """Read one input; the name of the outcome. Anything unexpected is raised."""
     for name, content in case.files.items():
         (folder / name).write_bytes(content)
-    read = read_samples if case.small.kind == "samples" else read_table
-    chosen = {"format": case.small.format, **case.small.options} if case.named else {}
+    read = _READERS[case.small.kind]
+    named = case.named and case.small.kind != ENVIRONMENT
+    chosen = {"format": case.small.format, **case.small.options} if named else {}
     try:
         if plant is not None:
             PLANTS[plant]()
@@ -152,9 +162,12 @@ def outcome_of(case: Case, folder: Path, plant: str | None = None) -> str:
     return "read"
 
 
-def _check(result: Samples | Table) -> None:
+def _check(result: Samples | Table | Environment) -> None:
     """Raise unless the result is what its class promises."""
-    if isinstance(result, Samples):
+    if isinstance(result, Environment):
+        assert np.isfinite(result.radiance).all()
+        assert (result.radiance >= 0.0).all()
+    elif isinstance(result, Samples):
         assert np.isfinite(result.value[result.usable]).all()
         assert np.isfinite(result.wi[result.usable.any(axis=1)]).all()
         assert (result.wo[result.usable.any(axis=1), 2] > 0.0).all()
@@ -166,7 +179,10 @@ def _check(result: Samples | Table) -> None:
 
 def work(options: argparse.Namespace, first: int, last: int, out: Any) -> None:
     """Read the inputs `first` to `last`, a line before and a line after each."""
-    import pyarrow.parquet  # noqa: F401  its memory is not that of an input
+    # their memory is not that of an input
+    import h5py  # noqa: F401
+    import OpenEXR  # noqa: F401
+    import pyarrow.parquet  # noqa: F401
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

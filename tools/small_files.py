@@ -25,10 +25,12 @@ from brdfit.grid import MERL_GRID, Grid
 from brdfit.models.network import NETWORK_SHAPES
 from brdfit.samples import Samples
 from brdfit.table import Table
+from small_panoramas import small_panoramas
 
 from small_workbook import workbook
 
 __all__ = [
+    "ENVIRONMENT",
     "SmallFile",
     "network_file",
     "small_files",
@@ -37,6 +39,9 @@ __all__ = [
     "utia_numbers",
     "written_table",
 ]
+
+ENVIRONMENT = "environment"
+"""Format and kind of panoramas, which are no format of BRDFs but are read from files too."""
 
 SMALL_GRID = Grid(6, 5, 8)
 
@@ -50,13 +55,15 @@ class SmallFile:
     format: str
     """Name of the data sheet."""
     kind: str
-    """Which reader: "samples" or "table"."""
+    """Which reader: "samples", "table" or `ENVIRONMENT`."""
     name: str
     """File name; what stands beside it is in `files` too."""
     files: dict[str, bytes]
     """File name -> content."""
     options: dict[str, Any] = field(default_factory=dict)
     """Keyword options for the reader."""
+    share: float = 1.0
+    """How often it is damaged beside the others: seldom where reading is slow."""
 
     @property
     def content(self) -> bytes:
@@ -111,6 +118,7 @@ def small_files(folder: Path) -> Iterator[SmallFile]:
         made = list(_written(sheet.name, folder))
         made += [small() for small in _BY_HAND.get(sheet.name, ())]
         yield from made
+    yield from (SmallFile(ENVIRONMENT, ENVIRONMENT, n, {n: c}) for n, c in small_panoramas())
 
 
 def _written(name: str, folder: Path) -> Iterator[SmallFile]:
@@ -247,14 +255,14 @@ def network_file(seed: int = 5, shapes: Sequence[tuple[int, int]] = NETWORK_SHAP
 
 
 def _nbrdf() -> SmallFile:
-    return SmallFile("nbrdf", "table", "a.h5", {"a.h5": network_file()})
+    return SmallFile("nbrdf", "table", "a.h5", {"a.h5": network_file()}, share=0.2)
 
 
 def _nbrdf_archive() -> SmallFile:
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w") as archive:
         archive.writestr("any/walnut.h5", network_file(6))
-    return SmallFile("nbrdf", "samples", "a.zip", {"a.zip": made.getvalue()}, {"count": 100})
+    return SmallFile("nbrdf", "table", "a.zip", {"a.zip": made.getvalue()}, share=0.2)
 
 
 def utia_numbers() -> FloatArray:
@@ -269,6 +277,12 @@ def utia_numbers() -> FloatArray:
 def _utia() -> SmallFile:
     content = utia_numbers().astype("<f4").tobytes()
     return SmallFile("utia", "samples", "a.bin", {"a.bin": content}, {"count": 100})
+
+
+def _astm_degrees() -> SmallFile:
+    rows = "".join(f"{k},0.0,{k},180,0.5,0.01,{k}.25,0.02\n" for k in range(10, 22))
+    header = "SAMPLE_NAME B\nNUM_POINTS 12\nVARS theta_i,phi_i,theta_s,phi_s,R,sigma_R,G,sigma_G"
+    return _text("astm", "d.astm", f"{header}\n\n{rows}", angles="degrees")
 
 
 def _tensor_file(fields: dict[str, np.ndarray[Any, Any]]) -> bytes:
@@ -286,7 +300,7 @@ def _tensor_file(fields: dict[str, np.ndarray[Any, Any]]) -> bytes:
 
 _BY_HAND: dict[str, tuple[Callable[[], SmallFile], ...]] = {
     "alta": (_alta,),
-    "astm": (_astm,),
+    "astm": (_astm, _astm_degrees),
     "curet": (_curet,),
     "delimited": (_delimited,),
     "merl": (_merl,),

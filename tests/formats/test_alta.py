@@ -10,7 +10,7 @@ import pytest
 
 import brdfit
 from brdfit.arrays import FloatArray
-from brdfit.errors import CorruptFile, DataQualityWarning, FormatError
+from brdfit.errors import CorruptFile, DataQualityWarning, FormatError, UsageError
 from brdfit.geometry import half_diff_from_directions, spherical_from_directions
 
 N = 15
@@ -127,3 +127,28 @@ def test_the_slice_of_pink_felt_is_read(shared_data: Path) -> None:
     assert samples.value.shape == (90, 3)
     assert samples.flag_counts() == {}
     assert samples.value[0, 0] == 0.109704419970512
+
+
+def test_every_bit_comes_back(tmp_path: Path) -> None:
+    samples = brdfit.Samples(
+        wi=np.array([[0.6, 0.0, 0.8]] * 12),
+        wo=np.stack([np.sin(np.arange(12) / 9), 0 * np.arange(12), np.cos(np.arange(12) / 9)], 1),
+        value=np.arange(36.0).reshape(12, 3) / 7.0,
+    )
+    brdfit.write_samples(samples, tmp_path / "a.alta")
+    back = brdfit.read_samples(tmp_path / "a.alta")
+    for name in ("wi", "wo", "value"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(samples, name))
+    assert back.channels == ("R", "G", "B")
+
+
+def test_channels_without_a_name_in_alta_are_refused(tmp_path: Path) -> None:
+    w = np.array([[0.0, 0.0, 1.0]])
+    for value, more in (
+        (np.ones((1, 2)), {}),
+        (np.ones((1, 3)), {"channels": ("X", "Y", "Z")}),
+        (np.ones((1, 3)), {"wavelengths": np.array([400.0, 500.0, 600.0])}),
+    ):
+        samples = brdfit.Samples(wi=w, wo=w, value=value, **more)
+        with pytest.raises(UsageError, match="ALTA text holds one, or R, G and B"):
+            brdfit.write_samples(samples, tmp_path / "a.alta")

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import brdfit
-from brdfit.errors import CorruptFile, DataQualityWarning, UnknownFormat
+from brdfit.errors import CorruptFile, DataQualityWarning, UnknownFormat, UsageError
 from brdfit.geometry import half_diff_from_directions
-from brdfit.samples import Flag
+from brdfit.samples import Flag, Source
 
 HEADER = """LAB_NAME A laboratory
 LAB_COMMENTS blue
@@ -98,3 +98,66 @@ def test_the_cornell_paints_are_read_whole(shared_data: Path, name: str) -> None
     np.testing.assert_array_equal(samples.wavelengths, np.arange(400, 701, 10))
     brightest = np.argsort(np.nanmax(samples.value, axis=1))[-10:]
     assert (samples.half_diff[0][brightest] < np.deg2rad(15)).all()
+
+
+def test_what_was_read_is_written_and_read_again(shared_data: Path, tmp_path: Path) -> None:
+    first = brdfit.read_samples(shared_data / "cornell" / "krylon_blue.astm")
+    path = tmp_path / "again.astm"
+    brdfit.write_samples(first, path)
+    again = brdfit.read_samples(path)
+    np.testing.assert_array_equal(again.value, first.value)
+    np.testing.assert_allclose(again.wi, first.wi, atol=1e-12)
+    np.testing.assert_allclose(again.wo, first.wo, atol=1e-12)
+    assert again.wavelengths is not None
+    np.testing.assert_array_equal(again.wavelengths, first.wavelengths)
+    assert again.source.metadata == first.source.metadata
+
+
+def samples_of(**more: object) -> brdfit.Samples:
+    rng = np.random.default_rng(4)
+    wi = brdfit.directions_from_spherical(rng.uniform(0.1, 1.2, 14), rng.uniform(-3, 3, 14))
+    wo = brdfit.directions_from_spherical(rng.uniform(0.1, 1.2, 14), rng.uniform(-3, 3, 14))
+    value = rng.uniform(0.1, 1.0, (14, 2))
+    return brdfit.Samples(wi=wi, wo=wo, value=value, **more)
+
+
+def test_deviations_gaps_and_odd_wavelengths_are_kept(tmp_path: Path) -> None:
+    samples = samples_of(sigma=np.full((14, 2), 0.01), wavelengths=np.array([400.25, 1064.1]))
+    value = samples.value.copy()
+    value[3, 1], value[4, 0] = np.nan, -0.25
+    samples = samples.with_value(value)
+    brdfit.write_samples(samples, tmp_path / "a.astm")
+    back = brdfit.read_samples(tmp_path / "a.astm")
+    np.testing.assert_array_equal(back.value, samples.value)
+    np.testing.assert_array_equal(back.sigma, samples.sigma)
+    np.testing.assert_array_equal(back.wavelengths, samples.wavelengths)
+
+
+def test_what_was_rejected_does_not_come_back_as_good(tmp_path: Path) -> None:
+    samples = samples_of(wavelengths=np.array([400.0, 500.0]))
+    marked = samples.with_flags(np.arange(14) < 3, Flag.REJECTED)
+    with pytest.warns(DataQualityWarning, match="3 of 14 samples .* left out"):
+        brdfit.write_samples(marked, tmp_path / "a.astm")
+    back = brdfit.read_samples(tmp_path / "a.astm")
+    np.testing.assert_array_equal(back.value, samples.value[3:])
+    with pytest.raises(UsageError, match="all 14 samples are marked"):
+        brdfit.write_samples(
+            samples.with_flags(np.ones(14, bool), Flag.REJECTED), tmp_path / "b.astm"
+        )
+
+
+@pytest.mark.parametrize("names", [("left", "right"), ("R", "G"), ("400", "a,b"), ("R", "R")])
+def test_channels_that_could_not_be_read_again_are_refused(
+    names: tuple[str, str], tmp_path: Path
+) -> None:
+    with pytest.raises(UsageError, match=r"names that ASTM E1392 could not be read by"):
+        brdfit.write_samples(samples_of(channels=names), tmp_path / "a.astm")
+
+
+def test_where_samples_came_from_is_said(tmp_path: Path) -> None:
+    source = Source(name="a b.csv", format="delimited", sha256="f00")
+    samples = samples_of(wavelengths=np.array([400.0, 500.0]), source=source)
+    brdfit.write_samples(samples, tmp_path / "a.astm")
+    fields = brdfit.read_samples(tmp_path / "a.astm").source.metadata
+    assert fields["LAB_COMMENTS"] == "written by brdfit from a b.csv (delimited), SHA-256 f00"
+    assert fields["SAMPLE_NAME"] == "a b"

@@ -388,3 +388,12 @@ def test_a_declaration_checks_itself() -> None:
         Declaration(directions=(1, 2, 3, 4, 5, 6), values=())
     with pytest.raises(UsageError, match="light: found 'i'"):
         Declaration(directions=(1, 2, 3, 4, 5, 6), values=(7,), light="i")
+
+
+def test_a_wavelength_with_a_fraction_is_a_wavelength(tmp_path: Path) -> None:
+    rows = "".join(f"0.{k},0,0.{k},3,1,2,3\n" for k in range(10, 22))
+    path = tmp_path / "a.csv"
+    path.write_text(f"theta.i,phi.i,theta.o,phi.o,400.25nm,632.8 nm,1064.1nm\n{rows}")
+    samples = brdfit.read_samples(path, angles="radians")
+    assert samples.wavelengths is not None
+    assert samples.wavelengths.tolist() == [400.25, 632.8, 1064.1]

@@ -229,3 +229,24 @@ def test_what_zemax_cannot_hold_is_refused_or_counted(tmp_path: Path) -> None:
     nothing = Table(np.ones(grid.shape), grid=grid, valid=np.zeros(grid.shape, bool))
     with pytest.raises(UsageError, match="no valid cell"):
         brdfit.write_table(nothing, tmp_path / "b.bsdf", format="zemax")
+
+
+def test_lighttools_has_the_specular_direction_opposite_the_light(tmp_path: Path) -> None:
+    path, grid = tmp_path / "a.bsdf", Grid(8, 8, 8)
+    lobe = np.exp(-8.0 * grid.theta_h**2)[:, None, None] * np.ones(grid.shape)
+    brdfit.write_table(Table(lobe, grid=grid), path, format="lighttools")
+    samples = brdfit.read_samples(path)
+    assert samples.source.format == "lighttools"
+    oblique = samples.subset(np.isclose(samples.wi[:, 2], np.cos(np.deg2rad(40.0))))
+    peak = int(np.argmax(oblique.value[:, 0]))
+    np.testing.assert_allclose(oblique.wi[peak, :2], -oblique.wo[peak, :2], atol=1e-9)
+    assert "SpectralContent Monochrome" in path.read_text()
+    assert "Symmetry Asymmetric" in path.read_text()
+
+
+def test_the_total_of_lighttools_is_the_albedo(tmp_path: Path) -> None:
+    path, grid = tmp_path / "a.bsdf", Grid(8, 8, 8)
+    flat = Table(np.full(grid.shape, 0.5 / np.pi), grid=grid)
+    brdfit.write_table(flat, path, format="lighttools")
+    totals = [float(line.split()[1]) for line in path.read_text().splitlines() if "TIS" in line]
+    np.testing.assert_allclose(totals, 0.5, rtol=0.005)

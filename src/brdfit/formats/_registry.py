@@ -40,6 +40,7 @@ __all__ = ["list_formats", "read_samples", "read_table", "write_samples", "write
 _FOLDERS = (
     "npz",
     "rgl",
+    "exr",
     "nbrdf",
     "rt300s",
     "zemax",

@@ -157,7 +157,8 @@ def _toml_list(items: Sequence[str]) -> str:
 
 
 def _fold(name: str) -> tuple[str, str]:
-    folded = re.sub(r"[\s\-.]+", "_", name.strip().lower()[:_LONGEST_NAME])
+    # the point of 400.25nm stays: without it that would be another wavelength
+    folded = re.sub(r"([\s\-]|(?<!\d)\.|\.(?!\d))+", "_", name.strip().lower()[:_LONGEST_NAME])
     match = _UNIT.fullmatch(folded)
     if match:
         return match[1].rstrip("_"), _UNITS[match[2] or match[3]]

@@ -234,7 +234,9 @@ def samples_from(
 
 def wavelength_of(name: str) -> float | None:
     """Return the wavelength in nm of a column name: 400nm, "400 nm", 400, w400, or None."""
-    text = name.strip().lower().removesuffix("nm").strip().removeprefix("w").lstrip("_")
+    text = name.strip().lower().removesuffix("nm").removeprefix("w").strip(" _")
+    if "_" in text:  # float() would take 400_5 for 4005
+        return None
     try:
         wavelength = float(text)
     except ValueError:

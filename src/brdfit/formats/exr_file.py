@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -12,11 +13,12 @@ import numpy as np
 from brdfit.arrays import FloatArray
 from brdfit.errors import CorruptFile, MissingExtra
 
-__all__ = ["MAGIC", "MOST_PIXELS", "read_exr", "require_openexr", "write_exr"]
+__all__ = ["MAGIC", "MOST_PIXELS", "read_exr", "read_exr_header", "require_openexr", "write_exr"]
 
 MAGIC = b"\x76\x2f\x31\x01"
 MOST_PIXELS = 1 << 27
 """Bigger pictures are refused before a byte is allocated for them."""
+_MOST_NUMBERS = 1 << 29
 
 
 def require_openexr(purpose: str) -> ModuleType:
@@ -29,33 +31,65 @@ def require_openexr(purpose: str) -> ModuleType:
     return module
 
 
-def read_exr(
-    path: Path, most_pixels: int = MOST_PIXELS
-) -> tuple[dict[str, FloatArray], dict[str, Any]]:
-    """Return ({channel: (height, width) float64}, header) of the first part of a file.
+def read_exr_header(path: Path, most_pixels: int = MOST_PIXELS) -> dict[str, Any]:
+    """Return the header of the first part of a file, its pixels unread.
 
-    R, G and B are three channels. Raises `CorruptFile` for what the library refuses, and for
-    headers that claim more pixels than any picture has.
+    Raises `CorruptFile` for what the library refuses, and for headers that claim more than
+    `most_pixels`, or more channels of them than a picture has.
     """
     library = require_openexr(f"Reading {path.name}")
     try:
         file = library.File(str(path), separate_channels=True, header_only=True)
         header = dict(file.header())
         low, high = (np.asarray(corner, dtype=np.int64) for corner in header["dataWindow"])
-        extent = high - low + 1
-        if (extent < 1).any() or int(extent[0]) * int(extent[1]) > most_pixels:
-            raise CorruptFile(
-                f"{path.name}: the header claims {extent[0]} x {extent[1]} pixels, more "
-                f"than the {most_pixels:,} that are read. Make it smaller, or copy it again."
-            )
-        channels = library.File(str(path), separate_channels=True).channels()
-        return {name: _plane(one.pixels) for name, one in channels.items()}, header
-    except CorruptFile:
-        raise
+        planes = max(len(header["channels"]), 1)
     except Exception as error:  # the library raises whatever its C++ does
+        raise _unreadable(path, error) from error
+    extent = high - low + 1
+    pixels = int(extent[0]) * int(extent[1])
+    if (extent < 1).any() or pixels > most_pixels or pixels * planes > _MOST_NUMBERS:
         raise CorruptFile(
-            f"{path.name}: OpenEXR cannot read it ({error}). The file is damaged; export it again."
-        ) from error
+            f"{path.name}: the header claims {planes} channels of {extent[0]} x {extent[1]} "
+            f"pixels, more than the {most_pixels:,} that are read. Make it smaller, or copy it "
+            f"again."
+        )
+    return header
+
+
+def read_exr(
+    path: Path, most_pixels: int = MOST_PIXELS
+) -> tuple[dict[str, FloatArray], dict[str, Any]]:
+    """Return ({channel: (height, width) float32}, header) of the first part of a file.
+
+    R, G and B are three channels. Errors as of `read_exr_header`.
+    """
+    header = read_exr_header(path, most_pixels)
+    library = require_openexr(f"Reading {path.name}")
+    low, high = (np.asarray(corner, dtype=np.int64) for corner in header["dataWindow"])
+    width, height = (int(size) for size in high - low + 1)
+    try:
+        # not `File`, which answers for damaged pixels with a word on the standard output
+        file = library.InputFile(str(path))
+        single = import_module("Imath").PixelType(2)  # FLOAT; the module comes with the library
+        planes = {
+            name: np.frombuffer(file.channel(name, single), np.float32)
+            for name in file.header()["channels"]
+        }
+    except Exception as error:  # the library raises whatever its C++ does
+        raise _unreadable(path, error) from error
+    for name, plane in planes.items():
+        if plane.size != height * width:
+            raise CorruptFile(
+                f"{path.name}: the channel {name!r} has {plane.size} pixels where {width} x "
+                f"{height} were expected; channels of other resolutions are not read."
+            )
+    return {name: plane.reshape(height, width) for name, plane in planes.items()}, header
+
+
+def _unreadable(path: Path, error: Exception) -> CorruptFile:
+    return CorruptFile(
+        f"{path.name}: OpenEXR cannot read it ({error}). The file is damaged; export it again."
+    )
 
 
 def write_exr(planes: Mapping[str, FloatArray], header: Mapping[str, str], path: Path) -> None:
@@ -68,10 +102,3 @@ def write_exr(planes: Mapping[str, FloatArray], header: Mapping[str, str], path:
     }
     pixels = {name: np.ascontiguousarray(plane, np.float32) for name, plane in planes.items()}
     library.File(whole, pixels).write(str(path))
-
-
-def _plane(pixels: Any) -> FloatArray:
-    plane = np.asarray(pixels, dtype=np.float64)
-    if plane.ndim != 2:
-        raise ValueError(f"a channel of shape {plane.shape}")
-    return plane

@@ -20,7 +20,15 @@ from brdfit.formats.columns import OWN_ROW
 from brdfit.formats.declaration import OWN_FLAGS
 from brdfit.samples import Flag, Samples, Source
 
-__all__ = ["OwnHeader", "own_columns", "own_matrix", "own_source", "samples_from_own"]
+__all__ = [
+    "OwnHeader",
+    "own_columns",
+    "own_matrix",
+    "own_source",
+    "samples_from_own",
+    "source_from_record",
+    "source_record",
+]
 
 _DIRECTIONS = ("wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z")
 _VERSION = 1
@@ -50,7 +58,6 @@ class OwnHeader:
 
     def to_json(self) -> str:
         """Return the header in one line."""
-        source = self.source
         return json.dumps(
             {
                 "version": _VERSION,
@@ -58,14 +65,7 @@ class OwnHeader:
                 "wavelengths": None if self.wavelengths is None else list(self.wavelengths),
                 "sigma": self.has_sigma,
                 "rows": self.has_rows,
-                "source": {
-                    "name": source.name,
-                    "format": source.format,
-                    "sha256": source.sha256,
-                    "convention": source.convention,
-                    "notes": list(source.notes),
-                    "metadata": source.metadata,
-                },
+                "source": source_record(self.source),
             }
         )
 
@@ -74,7 +74,6 @@ class OwnHeader:
         """Read what `to_json` wrote; `CorruptFile` for anything else."""
         try:
             raw: dict[str, Any] = json.loads(text)
-            source = raw["source"]
             waves = raw["wavelengths"]
             version = int(raw["version"])
             header = cls(
@@ -82,14 +81,7 @@ class OwnHeader:
                 wavelengths=None if waves is None else tuple(float(wave) for wave in waves),
                 has_sigma=bool(raw["sigma"]),
                 has_rows=bool(raw["rows"]),
-                source=Source(
-                    name=str(source["name"]),
-                    format=str(source["format"]),
-                    sha256=str(source["sha256"]),
-                    convention=str(source["convention"]),
-                    notes=tuple(str(note) for note in source["notes"]),
-                    metadata={str(k): str(v) for k, v in source["metadata"].items()},
-                ),
+                source=source_from_record(raw["source"]),
             )
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise CorruptFile(
@@ -152,9 +144,32 @@ def samples_from_own(
     )
 
 
-def own_source(header: OwnHeader, now: Source) -> Source:
-    """Return the source of what is read back: this file, with its origin in the metadata."""
-    first = header.source
+def source_record(source: Source) -> dict[str, Any]:
+    """Return a source as JSON-able values."""
+    return {
+        "name": source.name,
+        "format": source.format,
+        "sha256": source.sha256,
+        "convention": source.convention,
+        "notes": list(source.notes),
+        "metadata": source.metadata,
+    }
+
+
+def source_from_record(record: Any) -> Source:
+    """Return what `source_record` was made of; an error of Python's for anything else."""
+    return Source(
+        name=str(record["name"]),
+        format=str(record["format"]),
+        sha256=str(record["sha256"]),
+        convention=str(record["convention"]),
+        notes=tuple(str(note) for note in record["notes"]),
+        metadata={str(k): str(v) for k, v in record["metadata"].items()},
+    )
+
+
+def own_source(first: Source, now: Source) -> Source:
+    """Return the source of what is read back: this file, its origin `first` in the metadata."""
     origin = {"origin.name": first.name, "origin.format": first.format}
     if first.sha256:
         origin["origin.sha256"] = first.sha256

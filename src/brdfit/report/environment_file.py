@@ -76,7 +76,8 @@ def _exr(path: Path, most_pixels: int) -> FloatArray:
             f"{path.name}: has the channels {', '.join(planes)}, but an environment has R, G and "
             f"B, or Y."
         )
-    return np.stack([planes[name] for name in names], axis=-1)
+    with np.errstate(invalid="ignore"):  # a NaN is counted, and no warning of NumPy's
+        return np.stack([planes[name] for name in names], axis=-1).astype(np.float64)
 
 
 def _hdr(path: Path, most_pixels: int) -> FloatArray:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from brdfit.formats.alta._parametrisation import PARAMETRISATIONS
 from brdfit.formats.alta._reader import read_samples
+from brdfit.formats.alta._writer import write_samples
 from brdfit.formats.sheet import FormatSheet
 from brdfit.formats.text import decode_head
 
@@ -33,5 +34,10 @@ SHEET = FormatSheet(
     ),
     sniff=_sniff,
     read_samples=read_samples,
+    write_samples=write_samples,
+    loses=(
+        "all but one channel or RGB (more are refused), standard deviations, wavelengths, samples "
+        "that were marked as unreadable or rejected (left out, with a warning), and row numbers"
+    ),
 )
 """The data sheet."""

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from brdfit.formats.astm._reader import CONVENTION, read_samples
+from brdfit.formats.astm._writer import write_samples
 from brdfit.formats.sheet import FormatSheet
 from brdfit.formats.text import decode_head
 
@@ -34,6 +35,12 @@ SHEET = FormatSheet(
     convention=CONVENTION,
     sniff=_sniff,
     read_samples=read_samples,
+    write_samples=write_samples,
     options=("angles",),
+    loses=(
+        "samples that were marked as unreadable or rejected (left out, with a warning), row "
+        "numbers, names of channels that have wavelengths, and the notes of their reader"
+    ),
+    precision=1e-12,
 )
 """The data sheet."""

@@ -134,5 +134,5 @@ def _read_own(text: TextFile, header: OwnHeader) -> Samples:
     data = [item for item in text.lines[2:] if item[1].strip()]
     cells, readable, lines = parse_rows(data, ",", len(names))
     notes = [] if readable.all() else [name_lines("rows that could not be read", lines[~readable])]
-    source = own_source(header, text.source(_NAME, "", notes))
+    source = own_source(header.source, text.source(_NAME, "", notes))
     return samples_from_own(header, np.asarray(cells), readable, lines, source)

@@ -8,6 +8,7 @@ from pathlib import Path
 from brdfit.formats.sheet import FormatSheet
 from brdfit.formats.text import decode_head
 from brdfit.samples import Samples
+from brdfit.table import Table
 
 __all__ = ["CONVENTION", "SHEET"]
 
@@ -36,6 +37,12 @@ def _read_samples(path: Path, *, light_azimuth: float = 90.0) -> Samples:
     return read_samples(path, light_azimuth=light_azimuth)
 
 
+def _write_table(table: Table, path: Path) -> None:
+    from brdfit.formats.lighttools.write import write_table
+
+    write_table(table, path)
+
+
 SHEET = FormatSheet(
     name="lighttools",
     title="LightTools tabular BSDF (text)",
@@ -47,7 +54,16 @@ SHEET = FormatSheet(
     convention=CONVENTION,
     sniff=_sniff,
     read_samples=_read_samples,
+    write_table=_write_table,
     options=("light_azimuth",),
+    loses=(
+        "all but one channel or RGB (written as XYZ; more are refused), the grid (values at 18 "
+        "incidences to 85 degrees, 81 azimuths of 5 degrees and less, and polar angles every "
+        "degree to 88), digits after the eighth, values below zero (written as zero, with a "
+        "warning), and where the table came from; a channel without a wavelength is said to be "
+        "at 550 nm"
+    ),
+    precision=5e-7,
     competes_for=("rgl", "zemax"),
 )
 """The data sheet."""

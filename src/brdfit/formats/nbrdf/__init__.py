@@ -31,10 +31,10 @@ def _read_table(path: Path, *, material: str | None = None) -> Table:
 def _read_samples(
     path: Path, *, material: str | None = None, count: int | None = None, seed: int = 0
 ) -> Samples:
-    from brdfit.formats.drawing import Draw, samples_of_cells
-    from brdfit.formats.nbrdf.read import read_table
+    from brdfit.formats.drawing import Draw
+    from brdfit.formats.nbrdf.read import read_samples
 
-    return samples_of_cells(read_table(path, material), Draw(count, seed))
+    return read_samples(path, material, Draw(count, seed))
 
 
 SHEET = FormatSheet(

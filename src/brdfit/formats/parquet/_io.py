@@ -143,7 +143,7 @@ def _read_own(table: Any, header: OwnHeader, source: Source) -> Samples:
     cells = np.stack([_as_floats(column, "", source.name)[0] for column in table.columns], axis=1)
     readable = np.ones(len(cells), dtype=bool)
     records = np.arange(1, len(cells) + 1)
-    return samples_from_own(header, cells, readable, records, own_source(header, source))
+    return samples_from_own(header, cells, readable, records, own_source(header.source, source))
 
 
 def _unlike(names: Sequence[str]) -> list[str]:
