@@ -141,7 +141,7 @@ def test_writing_goes_by_suffix_and_names_what_can_be_written(tmp_path: Path) ->
     with pytest.raises(UsageError, match=r"delimited \(\.csv"):
         brdfit.write_samples(samples, tmp_path / "out.xyz")
     with pytest.raises(UsageError, match="cannot be written as samples"):
-        brdfit.write_samples(samples, tmp_path / "out.csv", format="astm")
+        brdfit.write_samples(samples, tmp_path / "out.csv", format="nist")
     with pytest.raises(FormatError, match="no such folder"):
         brdfit.write_samples(samples, tmp_path / "nowhere" / "out.csv")
     with pytest.raises(FormatError, match="is a folder"):
