@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from brdfit.geometry import directions_from_spherical as directions_from_spherical
     from brdfit.populations import Population as Population
     from brdfit.populations import population as population
+    from brdfit.reconstruct import Compact as Compact
     from brdfit.reconstruct import CorrectionFunctions as CorrectionFunctions
     from brdfit.reconstruct import GlobalBasis as GlobalBasis
     from brdfit.reconstruct import LocalBasis as LocalBasis
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 # public name -> module that defines it
 _HOME = {
     "BrdfitError": "errors",
+    "Compact": "reconstruct",
     "CorrectionFunctions": "reconstruct",
     "GlobalBasis": "reconstruct",
     "LocalBasis": "reconstruct",

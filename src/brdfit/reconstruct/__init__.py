@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 from brdfit.progress import Progress, silent
+from brdfit.reconstruct.compact import Compact
 from brdfit.reconstruct.correction_functions import CorrectionFunctions
 from brdfit.reconstruct.global_basis import GlobalBasis
 from brdfit.reconstruct.local_basis import LocalBasis
@@ -21,6 +22,7 @@ from brdfit.samples import Samples
 
 __all__ = [
     "METHODS",
+    "Compact",
     "CorrectionFunctions",
     "GlobalBasis",
     "LocalBasis",
@@ -35,7 +37,15 @@ __all__ = [
 
 METHODS: dict[str, type] = {
     method.name: method
-    for method in (CorrectionFunctions, Posterior, GlobalBasis, PcaRidge, LocalBasis, Tabulated)
+    for method in (
+        CorrectionFunctions,
+        Posterior,
+        Compact,
+        GlobalBasis,
+        PcaRidge,
+        LocalBasis,
+        Tabulated,
+    )
 }
 """Name -> class of settings."""
 

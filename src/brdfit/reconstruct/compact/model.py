@@ -1,0 +1,56 @@
+"""What a fit of `Compact` leaves: a few coefficients for each channel, and how sure they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brdfit.arrays import FloatArray
+from brdfit.grid import Grid
+from brdfit.linalg import CoefficientPosterior
+from brdfit.progress import Progress
+from brdfit.reconstruct.compact.basis import LeadingBasis
+
+__all__ = ["CompactModel"]
+
+_CHUNK = 65_536
+# ln f_r: what is written stays within what a float32 and a renderer can hold.
+_LOWEST, _HIGHEST = -30.0, 30.0
+_LABEL = "dense result"
+
+
+@dataclass(frozen=True, eq=False)
+class CompactModel:
+    """ln f_r = mean + phi z; `posterior` is known to a fit, not to a store of many."""
+
+    basis: LeadingBasis
+    coefficients: FloatArray
+    """(1 + k, channels)"""
+    posterior: CoefficientPosterior | None = None
+
+    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return f_r (n, c), 1/sr, at directions above the horizon."""
+        log = self.basis.log_value(self.coefficients, wi, wo)
+        return np.exp(np.clip(log, _LOWEST, _HIGHEST))
+
+    def dense(self, grid: Grid, progress: Progress) -> FloatArray:
+        """Return f_r (grid.cells.size, c), 1/sr, float32."""
+        cells = grid.cells
+        result = np.empty((cells.size, self.coefficients.shape[1]), dtype=np.float32)
+        for start in range(0, cells.size, _CHUNK):
+            progress(_LABEL, start, cells.size)
+            at = cells[start : start + _CHUNK]
+            result[start : start + _CHUNK] = self.evaluate(*grid.directions(at))
+        progress(_LABEL, cells.size, cells.size)
+        return result
+
+    def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
+        """Return the standard deviation of ln f_r (n, c), the same for every channel.
+
+        Of the BRDF itself: a measurement scatters by the noise of the fit besides.
+        """
+        if self.posterior is None:
+            return None
+        deviation = np.sqrt(self.posterior.variance(self.basis.at(wi, wo)[1]))
+        return np.repeat(deviation[:, None], self.coefficients.shape[1], axis=1)
