@@ -6,8 +6,6 @@ The real measurements come from the shared data; what needs them skips without.
 
 from __future__ import annotations
 
-import io
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,17 +14,15 @@ import numpy as np
 import pytest
 
 import brdfit
-from brdfit.arrays import FloatArray
-from brdfit.metrics.ciede2000 import lab_from_linear
 from brdfit.reconstruct import Reconstruction
 from brdfit.render import Sphere, area_studio, point, studio
 from brdfit.report.compare import compare
 from brdfit.report.rgb import rgb_table
-from brdfit.tone import colour_library, exposure_scale, srgb_decode
 from brdfit.viewer.serve import Server
 from brdfit.viewer.workbench import Workbench
 
 from chromium import Tab, chromium_path, launched
+from page_picture import picture, shown_difference, sphere_of
 
 pytest.importorskip("playwright", reason="the browser tests need playwright (extra dev)")
 pytestmark = pytest.mark.skipif(
@@ -61,37 +57,6 @@ def open_tab(browser: Any, server: Server) -> Iterator[Any]:
     assert [error for tab in tabs for error in tab.errors] == []
     strangers = [url for tab in tabs for url in tab.asked if not url.startswith(server.url)]
     assert [url for url in strangers if not url.startswith(("data:", "blob:"))] == []
-
-
-def picture(tab: Tab) -> tuple[FloatArray, dict[str, int]]:
-    """Return (the canvas as shown (height, width, 3), its first cell)."""
-    from matplotlib.image import imread
-
-    canvas = tab.page.locator("#stage canvas")
-    shot = imread(io.BytesIO(canvas.screenshot()))[..., :3]
-    cell = json.loads(canvas.get_attribute("data-cells"))[0]
-    return np.asarray(shot, dtype=np.float64), cell
-
-
-def sphere_of(tab: Tab) -> FloatArray:
-    """Return the pixels that `brdfit.render.Sphere(2 radius)` would have."""
-    shot, cell = picture(tab)
-    radius = cell["radius"]
-    # rows count from the top here, cells from the bottom there
-    middle_row = shot.shape[0] - (cell["y"] + cell["centreY"])
-    middle_column = cell["x"] + cell["centreX"]
-    return shot[
-        middle_row - radius : middle_row + radius, middle_column - radius : middle_column + radius
-    ]
-
-
-def shown_difference(shown: FloatArray, linear: FloatArray, sphere: Sphere) -> float:
-    """Return the mean CIEDE2000 of the middle of the sphere, as shown and as rendered."""
-    scale = exposure_scale(linear, sphere.mask)
-    step = (np.arange(sphere.size) + 0.5) / sphere.size * 2.0 - 1.0
-    middle = np.hypot(*np.meshgrid(step, step)) < 0.9
-    lab = [lab_from_linear(image[middle]) for image in (srgb_decode(shown), linear * scale)]
-    return float(np.mean(colour_library().difference.delta_E_CIE2000(*lab)))
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ export function cellsFor(count: number, width: number, height: number): Cell[] {
 
 /** How many light-pixels a frame may take: found out by doing, since GPUs differ 1000-fold. */
 export class Pace {
-  private perFrame = 2e6;
+  private perFrame = 6e5;
   private asked = 0;
   private since = 0;
 

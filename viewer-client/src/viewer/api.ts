@@ -55,11 +55,26 @@ function query(parameters: Record<string, string | number>): string {
 
 const entry = (id: string) => `api/entries/${id}`;
 
+const fetchTable = async (id: string) =>
+  new Uint8Array(await (await ask(`${entry(id)}/table`)).arrayBuffer());
+
+/** Tables that were asked for before anybody could draw them. */
+const coming = new Map<string, Promise<Uint8Array>>();
+
 export const api = {
   home: () => json<Home>("api/home"),
   entry: (id: string) => json<Entry>(entry(id)),
-  table: async (id: string) =>
-    new Uint8Array(await (await ask(`${entry(id)}/table`)).arrayBuffer()),
+  table: (id: string) => {
+    const found = coming.get(id) ?? fetchTable(id);
+    coming.delete(id);
+    return found;
+  },
+  /** Ask for a table now: it comes while the page is still being made. */
+  tableAhead(id: string): void {
+    const promise = fetchTable(id);
+    promise.catch(() => {}); // whoever takes it is told
+    coming.set(id, promise);
+  },
   albedo: (id: string) => json<Albedo>(`${entry(id)}/albedo`),
   samples: (id: string) => json<SampleColumns>(`${entry(id)}/samples`),
   sample: (id: string, n: number) => json<SampleDetail>(`${entry(id)}/samples/${n}`),

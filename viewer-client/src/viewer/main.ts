@@ -1,6 +1,6 @@
 /** The viewer: what the page consists of, and how its parts hear of each other. */
 
-import type { Entry, Job, Upload } from "../messages";
+import type { Entry, Home, Job, Upload } from "../messages";
 import { html } from "../plots/svg";
 import { api, Refused } from "./api";
 import { ComparePanel } from "./compare";
@@ -52,14 +52,11 @@ class Page {
     listenForDrops((file) => void this.take(file));
   }
 
-  /** Show what the address names, else what was opened at the start. */
-  async start(): Promise<void> {
-    const { entries, jobs } = this.model.home;
-    const named = location.hash.slice(1).split(",").filter(Boolean);
-    const wanted = named.length ? named : entries;
-    const found = await Promise.all(wanted.map((id) => api.entry(id).catch(() => null)));
+  /** Show what was asked for, and follow the fits that began at the start. */
+  async start(coming: readonly Promise<Entry | null>[]): Promise<void> {
+    const found = await Promise.all(coming);
     this.model.open(found.filter((entry): entry is Entry => entry !== null));
-    for (const job of jobs) this.tray.follow(job);
+    for (const job of this.model.home.jobs) this.tray.follow(job);
   }
 
   private bar(): Node[] {
@@ -182,9 +179,20 @@ function listenForDrops(take: (file: File) => void): void {
   });
 }
 
+/** Ask for what the address names, else for what was opened at the start, tables included. */
+function askFor(home: Home): Promise<Entry | null>[] {
+  const named = location.hash.slice(1).split(",").filter(Boolean);
+  return (named.length ? named : home.entries).map((id) => {
+    api.tableAhead(id);
+    return api.entry(id).catch(() => null);
+  });
+}
+
 async function start(): Promise<void> {
   try {
-    await new Page(new Model(await api.home())).start();
+    const home = await api.home();
+    const coming = askFor(home);
+    await new Page(new Model(home)).start(coming);
   } catch (error) {
     const text = error instanceof Refused ? error.message : String(error);
     document.body.replaceChildren(html("p", { class: "problem", role: "alert" }, text));

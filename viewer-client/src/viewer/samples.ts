@@ -17,6 +17,7 @@ export class SamplesPanel {
   private columns: SampleColumns | null = null;
   private colour: ColourBy = "residual";
   private shownFor: string | null = null;
+  private drawing = false;
 
   constructor(
     place: HTMLElement,
@@ -90,7 +91,17 @@ export class SamplesPanel {
     );
   }
 
+  /** Draw the maps before the next frame, however often that is asked for. */
   private draw(): void {
+    if (this.drawing) return;
+    this.drawing = true;
+    requestAnimationFrame(() => {
+      this.drawing = false;
+      this.drawMaps();
+    });
+  }
+
+  private drawMaps(): void {
     const entry = this.model.active;
     const switches = entry ? this.model.switchesOf(entry.id) : new Map<number, boolean>();
     for (const map of this.maps) {

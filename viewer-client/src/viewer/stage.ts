@@ -40,6 +40,8 @@ export class Stage {
   private stops = 0;
   private timer = 0;
   private generation = 0;
+  /** Pictures put on the screen so far. */
+  private frames = 0;
   private cell: Settled["cells"][number] | null = null;
 
   constructor(
@@ -62,6 +64,7 @@ export class Stage {
       const renderer = new Renderer(this.canvas);
       renderer.onPresented = () => {
         this.canvas.dataset["presented"] ??= performance.now().toFixed(0);
+        this.canvas.dataset["frames"] = String(++this.frames);
       };
       renderer.onSettled = (state) => this.settled(state);
       return renderer;
