@@ -49,6 +49,9 @@ MEMORY = 1 << 30
 SECONDS = 20
 """How long one input may take."""
 
+# The threads of libraries each reserve an arena of addresses, and the limit is of addresses.
+_FEW_ARENAS = {**os.environ, "MALLOC_ARENA_MAX": "2"}
+
 # Bigger files are damaged more rarely: what costs a second is worth a hundred others.
 _SMALL = 1 << 17
 _RARE = 1 / 300
@@ -250,7 +253,7 @@ def _events(options: argparse.Namespace, first: int, last: int) -> Iterator[list
     command += ["--truncations"] if options.truncations else []
     command += [f"--plant={options.plant}"] if options.plant else []
     with (
-        subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as worker,
+        subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=_FEW_ARENAS) as worker,
         DefaultSelector() as selector,
     ):
         assert worker.stdout is not None

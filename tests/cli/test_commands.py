@@ -89,8 +89,8 @@ def test_relative_paths_work_from_any_folder(
     ("output", "said"),
     [
         ("missing/out.binary", "does not exist"),
-        ("out.tiff", "'.tiff' names no format"),
-        ("paint.csv", "names no format"),
+        ("out.tiff", "'.tiff' does not say how to write a table"),
+        ("paint.csv", "does not say how to write a table"),
     ],
 )
 def test_a_bad_output_is_refused_before_the_input_is_read(
@@ -292,3 +292,56 @@ def test_render_under_a_panorama_and_on_a_sheet(run: Run, tmp_path: Path) -> Non
     code, _, err = run("render", both[0])
     assert code == 2
     assert "-o" in err
+
+
+def test_convert_says_what_is_lost(run: Run, grey_table: Path, tmp_path: Path) -> None:
+    code, out, err = run("convert", grey_table, tmp_path / "grey.bsdf", "--to", "zemax")
+    assert code == 0
+    assert "(table, zemax)" in out
+    assert "  resolution  LOST 1,111,430 cells" in err
+    assert "  channels    kept: 3 channels (R, G, B)" in err
+    quiet = run("-q", "convert", grey_table, tmp_path / "grey.bsdf", "--to", "zemax")
+    assert (quiet.out, quiet.err) == ("", "")
+
+
+def test_convert_for_scripts(run: Run, grey_table: Path, tmp_path: Path) -> None:
+    code, out, _ = run("convert", grey_table, tmp_path / "grey.exr", "--json")
+    assert code == 0
+    record = json.loads(out)
+    assert record["format"] == "exr"
+    assert set(record["lost"]) == {"precision", "metadata"} & set(record["lost"])
+    aspects = {loss["aspect"]: loss for loss in record["losses"]}
+    assert aspects["precision"]["figures"]["largest"] < 6e-8
+    assert record["input"]["sha256"] != record["output"]["sha256"]
+
+
+def test_a_suffix_of_several_formats_names_the_others(
+    run: Run, grey_table: Path, tmp_path: Path
+) -> None:
+    _, out, _ = run("convert", grey_table, tmp_path / "grey.xml")
+    assert "(table, tensortree; --to klems writes another .xml)" in out
+
+
+def test_a_format_that_does_not_exist_names_those_that_do(
+    run: Run, grey_table: Path, tmp_path: Path
+) -> None:
+    code, _, err = run("convert", grey_table, tmp_path / "grey.bsdf", "--to", "zemx")
+    assert code == 2
+    assert "Did you mean 'zemax'" in err
+    assert "lighttools" in err
+    code, _, err = run("convert", grey_table, tmp_path / "grey.bsdf", "--format", "zemax")
+    assert code == 2
+    assert "for the output: --to zemax" in err
+    assert list(tmp_path.iterdir()) == [grey_table]
+
+
+def test_fit_and_repair_take_the_format_of_their_output(
+    run: Run, constant: type, paint_csv: Path, grey_table: Path, tmp_path: Path
+) -> None:
+    assert run("fit", paint_csv, "-o", tmp_path / "a.bsdf", "--to", "lighttools").code == 0
+    assert read_samples(tmp_path / "a.bsdf").source.format == "lighttools"
+    assert run("repair", grey_table, "-o", tmp_path / "b.xml", "--to", "klems").code == 0
+    assert read_samples(tmp_path / "b.xml").source.format == "klems"
+    code, _, err = run("fit", tmp_path / "none.csv", "-o", tmp_path / "c.bsdf", "--to", "nist")
+    assert code == 2
+    assert "cannot be written as a table" in err

@@ -142,3 +142,23 @@ def test_damaged_pixels_are_an_error_and_nothing_is_printed(
         brdfit.read_table(path)
     # what the library says of it goes to the standard error only: the output may be JSON
     assert capfd.readouterr().out == ""
+
+
+def test_names_of_channels_that_are_no_text_do_not_end_the_process(tmp_path: Path) -> None:
+    path = tmp_path / "a.exr"
+    brdfit.write_table(tiny_table(), path)
+    content = path.read_bytes()
+    assert content.count(b"\0B\0\x02") == 1
+    path.write_bytes(content.replace(b"\0B\0\x02", b"\0\xc2\0\x02"))
+    with pytest.raises(CorruptFile, match=r"OpenEXR cannot read it .*utf-8"):
+        brdfit.read_table(path)
+
+
+def test_headers_that_do_not_end_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "a.exr"
+    brdfit.write_table(tiny_table(), path)
+    content = path.read_bytes()
+    for cut, match in ((4, "does not end"), (12, "does not end"), (60, "beyond the end")):
+        path.write_bytes(content[:cut])
+        with pytest.raises(CorruptFile, match=match):
+            brdfit.read_table(path)

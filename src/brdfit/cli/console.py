@@ -46,6 +46,11 @@ class Console:
         """Print what the command was called for, with --quiet also."""
         self._write(self.out, text)
 
+    def remark(self, text: str) -> None:
+        """Print a line beside the result, on standard error; nothing with --quiet."""
+        if not self.quiet:
+            self._error_line(text)
+
     def warn(self, name: str, text: str) -> None:
         """Print and keep a named warning."""
         line = f"{name}: {text}"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from brdfit.report.channels import channels_in_words
 from brdfit.report.coverage import coverage_of
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def samples_lines(samples: Samples) -> list[str]:
     """Return what a person wants to know of measurements before they are used."""
     usable = int(samples.usable.any(axis=1).sum())
     lines = [
-        f"{samples.source.name}: {len(samples)} samples, {_channels(samples.channels)}, "
+        f"{samples.source.name}: {len(samples)} samples, {channels_in_words(samples.channels)}, "
         f"{usable} usable",
         f"  format      {samples.source.format}",
     ]
@@ -66,7 +67,8 @@ def table_lines(table: Table) -> list[str]:
     record = table_record(table)
     n_h, n_d, n_phi = table.grid.shape
     lines = [
-        f"{table.source.name}: table of {n_h} x {n_d} x {n_phi} cells, {_channels(table.channels)}",
+        f"{table.source.name}: table of {n_h} x {n_d} x {n_phi} cells, "
+        f"{channels_in_words(table.channels)}",
         f"  format      {table.source.format}",
     ]
     if table.source.convention:
@@ -101,14 +103,6 @@ def table_record(table: Table) -> dict[str, Any]:
         "ranges": _table_ranges(table),
         "source": dataclasses.asdict(table.source),
     }
-
-
-def _channels(names: tuple[str, ...]) -> str:
-    if len(names) == 1:
-        return f"1 channel ({names[0]})"
-    if len(names) <= 4:
-        return f"{len(names)} channels ({', '.join(names)})"
-    return f"{len(names)} channels ({names[0]} ... {names[-1]})"
 
 
 def _flag_lines(samples: Samples) -> list[str]:

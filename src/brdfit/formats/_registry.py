@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -34,7 +34,15 @@ from brdfit.formats.sheet import HEAD_BYTES, FormatSheet
 from brdfit.samples import Flag, Samples
 from brdfit.table import Table
 
-__all__ = ["list_formats", "read_samples", "read_table", "write_samples", "write_table"]
+__all__ = [
+    "format_to_write",
+    "list_formats",
+    "read_samples",
+    "read_table",
+    "rivals",
+    "write_samples",
+    "write_table",
+]
 
 # Order of the questions: formats with a magic number first, the most general text last.
 _FOLDERS = (
@@ -105,7 +113,7 @@ def write_table(table: Table, path: Path_, *, format: str | None = None) -> None
 
     The file appears whole or not at all.
     """
-    sheet = _sheet_to_write(Path(path), format, _TABLE)
+    sheet = format_to_write(path, format=format, kind="table")
     assert sheet.write_table is not None
     _write(sheet.write_table, table, Path(path))
 
@@ -115,7 +123,7 @@ def write_samples(samples: Samples, path: Path_, *, format: str | None = None) -
 
     The file appears whole or not at all.
     """
-    sheet = _sheet_to_write(Path(path), format, _SAMPLES)
+    sheet = format_to_write(path, format=format, kind="samples")
     assert sheet.write_samples is not None
     _write(sheet.write_samples, samples, Path(path))
 
@@ -231,23 +239,38 @@ def _sheet_named(name: str) -> FormatSheet:
     return sheets[name]
 
 
-def _sheet_to_write(path: Path, format: str | None, kind: _Kind) -> FormatSheet:
-    able = [sheet for sheet in list_formats() if kind.writer(sheet) is not None]
+def format_to_write(
+    path: Path_, *, format: str | None = None, kind: Literal["samples", "table"] | None = None
+) -> FormatSheet:
+    """Return the sheet that a file is written by: the one named, else the first of its suffix.
+
+    `kind`: what is to be written; None for either. Raises `UsageError` that names what can be
+    written.
+    """
+    kinds = [_SAMPLES, _TABLE] if kind is None else [_SAMPLES if kind == "samples" else _TABLE]
+    able = [s for s in list_formats() if any(one.writer(s) is not None for one in kinds)]
     known = ", ".join(f"{sheet.name} ({' '.join(sheet.extensions)})" for sheet in able)
+    noun = {None: "a file", "table": "a table"}.get(kind, "samples")
     if format is not None:
         sheet = _sheet_named(format)
         if sheet in able:
             return sheet
-        raise UsageError(
-            f"the format {format!r} cannot be written as {kind.noun}. These can: {known}."
-        )
+        raise UsageError(f"the format {format!r} cannot be written as {noun}. These can: {known}.")
+    name, suffix = Path(path).name, Path(path).suffix
     for sheet in able:
-        if path.suffix.lower() in sheet.extensions:
+        if suffix.lower() in sheet.extensions:
             return sheet
     raise UsageError(
-        f"{path.name}: the suffix {path.suffix!r} does not say how to write {kind.noun}. "
-        f"Use one of: {known}; or name it with format=...."
+        f"{name}: the suffix {suffix!r} does not say how to write {noun}. Use one of: {known}; or "
+        f"name the format (format=..., on the command line --to)."
     )
+
+
+def rivals(sheet: FormatSheet, path: Path_) -> tuple[str, ...]:
+    """Return the names of other formats that are written under the suffix of `path`."""
+    suffix = Path(path).suffix.lower()
+    writes = (s for s in list_formats() if s.write_table is not None or s.write_samples is not None)
+    return tuple(s.name for s in writes if s is not sheet and suffix in s.extensions)
 
 
 def _write(writer: Callable[[Any, Path], Any], what: Samples | Table, path: Path) -> None:

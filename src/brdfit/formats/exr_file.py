@@ -19,6 +19,9 @@ MAGIC = b"\x76\x2f\x31\x01"
 MOST_PIXELS = 1 << 27
 """Bigger pictures are refused before a byte is allocated for them."""
 _MOST_NUMBERS = 1 << 29
+_MOST_HEADER = 1 << 24
+# Type, linearity and sampling, after the name of a channel.
+_CHANNEL_BYTES = 16
 
 
 def require_openexr(purpose: str) -> ModuleType:
@@ -39,6 +42,7 @@ def read_exr_header(path: Path, most_pixels: int = MOST_PIXELS) -> dict[str, Any
     """
     library = require_openexr(f"Reading {path.name}")
     try:
+        _check_names(path)
         file = library.File(str(path), separate_channels=True, header_only=True)
         header = dict(file.header())
         low, high = (np.asarray(corner, dtype=np.int64) for corner in header["dataWindow"])
@@ -84,6 +88,40 @@ def read_exr(
                 f"{height} were expected; channels of other resolutions are not read."
             )
     return {name: plane.reshape(height, width) for name, plane in planes.items()}, header
+
+
+def _check_names(path: Path) -> None:
+    """Raise `ValueError` for names of attributes and channels that are no text.
+
+    The library's binding ends the whole process where a channel has such a name.
+    """
+    with path.open("rb") as stream:
+        content = stream.read(_MOST_HEADER)
+    at, several_parts = 8, bool(content[5:6] and content[5] & 0x10)
+    while True:
+        name, at = _word(content, at)
+        if not name:
+            if several_parts and content[at : at + 1] != b"\0":
+                continue
+            return
+        kind, at = _word(content, at)
+        size = int.from_bytes(content[at : at + 4], "little")
+        value, at = content[at + 4 : at + 4 + size], at + 4 + size
+        if len(value) < size:
+            raise ValueError(f"the attribute {name!r} goes beyond the end")
+        if kind == "chlist":
+            place = 0
+            while value[place : place + 1] not in (b"\0", b""):
+                _, place = _word(value, place)
+                place += _CHANNEL_BYTES
+
+
+def _word(content: bytes, start: int) -> tuple[str, int]:
+    """Return the text that ends with the next zero byte, and where the next one begins."""
+    end = content.find(b"\0", start)
+    if end < 0:
+        raise ValueError("the header does not end")
+    return content[start:end].decode("utf-8"), end + 1
 
 
 def _unreadable(path: Path, error: Exception) -> CorruptFile:

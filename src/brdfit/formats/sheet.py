@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+from brdfit.grid import Grid
 from brdfit.samples import Samples
 from brdfit.table import Table
 
@@ -57,5 +58,9 @@ class FormatSheet:
     averages: bool = False
     """A written value is a mean over a patch of directions, or is found between nodes of the
     format's own: `precision` is then that of the median value of a smooth material."""
+    colour: Literal["any", "grey or RGB", "RGB"] = "any"
+    """Which channels a table must have to be written; the command line converts to them."""
+    grid: Grid | None = None
+    """The only grid on which tables are written, or None for any."""
     competes_for: tuple[str, ...] = ()
     """Other formats that use the same suffix, so that errors can name them."""

@@ -1,4 +1,4 @@
-"""Which channels a plot shows of many, and in which colours."""
+"""Channels in words; which of many a plot shows, and in which colours."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray
 
-__all__ = ["INK", "Shown", "shown_channels"]
+__all__ = ["INK", "Shown", "channels_in_words", "shown_channels"]
 
 INK = "#222222"
 _RGB = ("#c03030", "#208030", "#2050c0")
@@ -40,3 +40,12 @@ def shown_channels(n_channels: int, wavelengths: FloatArray | None) -> list[Show
         for wavelength, colour in zip(_NEAR_NM, _RGB, strict=True)
     }
     return [Shown(index, colour) for index, colour in near.items()]
+
+
+def channels_in_words(names: tuple[str, ...]) -> str:
+    """Return "3 channels (R, G, B)"; of many the first and the last."""
+    if len(names) == 1:
+        return f"1 channel ({names[0]})"
+    if len(names) <= 4:
+        return f"{len(names)} channels ({', '.join(names)})"
+    return f"{len(names)} channels ({names[0]} ... {names[-1]})"

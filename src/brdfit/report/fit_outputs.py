@@ -28,15 +28,13 @@ from brdfit.report.coverage import coverage_of
 from brdfit.report.file_set import write_set
 from brdfit.report.fit_figure import draw_fit
 from brdfit.report.fitted import fit_record
-from brdfit.report.rgb import Conversion, rgb_table
+from brdfit.report.rgb import Conversion, needs_rgb, rgb_table
 from brdfit.report.samples_csv import write_samples_csv
 from brdfit.report.uncertainty import Uncertainty
 from brdfit.table import Table
 from brdfit.tone import colour_library
 
 __all__ = ["FitOutputs", "FitPaths", "write_fit"]
-
-_COLOUR_ONLY = "merl"
 
 
 @dataclass(frozen=True)
@@ -47,16 +45,24 @@ class FitPaths:
     picture: Path
     record: Path
     samples: Path
+    format: str
+    """Name of the table's format."""
 
     @classmethod
-    def beside(cls, table: Path, inputs: Collection[Path] = ()) -> FitPaths:
+    def beside(
+        cls, table: Path, inputs: Collection[Path] = (), format: str | None = None
+    ) -> FitPaths:
         """Return the paths for a table, none of which is one of `inputs`.
 
+        `format` names the table's format where its suffix does not.
+
         A file beside the table that would replace an input gets `.fit` before its suffix.
-        Raises `UsageError` if the table itself would, if its folder is missing, or if its
-        suffix names no format that tables can be written in.
+        Raises `UsageError` if the table itself would, if its folder is missing, or if no
+        format that tables can be written in is named.
         """
-        _table_format(table)
+        from brdfit.formats import format_to_write
+
+        sheet = format_to_write(table, format=format, kind="table")
         if not table.parent.is_dir():
             raise UsageError(
                 f"{table}: the folder {str(table.parent)!r} does not exist. Make it first, or name "
@@ -70,7 +76,7 @@ class FitPaths:
             path = table.with_suffix(suffix)
             return table.with_suffix(f".fit{suffix}") if path.resolve() in taken else path
 
-        return cls(table, free(".png"), free(".json"), free(".csv"))
+        return cls(table, free(".png"), free(".json"), free(".csv"), sheet.name)
 
     def all(self) -> tuple[Path, ...]:
         """Return the four, the table first."""
@@ -102,19 +108,19 @@ def write_fit(
 
     `context` (the command's options, warnings so far, ...) goes into the record as it is.
     """
-    from brdfit.formats import write_table
+    from brdfit.formats import format_to_write, write_table
 
     _import_ahead(spectral=result.samples.wavelengths is not None)
     full = result.table(grid, progress)
     rgb, conversion = rgb_table(full)
     written, cost = full, Conversion("none", full.n_channels)
-    if _table_format(paths.table) == _COLOUR_ONLY:
+    if needs_rgb(full, format_to_write(paths.table, format=paths.format)):
         written, cost = rgb, conversion
     coverage = coverage_of(result.samples)
     made = fit_record(result, Uncertainty.of(result, progress))
     record = _record(made, paths, cost, context or {})
     writers: dict[Path, Callable[[Path], object]] = {
-        paths.table: lambda aside: write_table(written, aside),
+        paths.table: lambda aside: write_table(written, aside, format=paths.format),
         paths.picture: lambda aside: draw_fit(result, rgb, coverage, aside, progress),
         paths.record: lambda aside: aside.write_text(_json(record), encoding="utf-8"),
         paths.samples: lambda aside: write_samples_csv(result, aside),
@@ -137,21 +143,6 @@ def _import_ahead(spectral: bool) -> None:
                 colour_library()
 
     threading.Thread(target=load, daemon=True).start()
-
-
-def _table_format(path: Path) -> str:
-    """Return the name of the format that tables are written in under this suffix."""
-    from brdfit.formats import list_formats
-
-    able = [sheet for sheet in list_formats() if sheet.write_table is not None]
-    for sheet in able:
-        if path.suffix.lower() in sheet.extensions:
-            return sheet.name
-    known = ", ".join(f"{' '.join(sheet.extensions)} ({sheet.title})" for sheet in able)
-    raise UsageError(
-        f"{path.name}: the suffix {path.suffix!r} names no format that a table can be written "
-        f"in. There are: {known}."
-    )
 
 
 def _json(record: dict[str, Any]) -> str:

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from brdfit.arrays import FloatArray
+from brdfit.formats.sheet import FormatSheet
 from brdfit.table import Table
 
-__all__ = ["Conversion", "rgb_table"]
+__all__ = ["Conversion", "needs_rgb", "rgb_table"]
 
 # Cells converted at a time: 31 bands of a million cells need not be doubled at once.
 _BLOCK = 1 << 17
@@ -53,6 +54,13 @@ class Conversion:
                 f"largest) were set to 0"
             )
         return text
+
+
+def needs_rgb(table: Table, sheet: FormatSheet) -> bool:
+    """Whether `table` must be made R, G, B before the format of `sheet` can hold it."""
+    if sheet.colour == "RGB":
+        return True
+    return sheet.colour == "grey or RGB" and table.n_channels > 1
 
 
 def rgb_table(table: Table) -> tuple[Table, Conversion]:

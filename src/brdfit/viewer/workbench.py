@@ -27,7 +27,7 @@ from brdfit.render import ILLUMINATIONS, Illumination
 from brdfit.report.compare import compare
 from brdfit.report.fitted import Fitted
 from brdfit.report.reading_options import typed_options
-from brdfit.report.rgb import rgb_table
+from brdfit.report.rgb import needs_rgb, rgb_table
 from brdfit.samples import Samples
 from brdfit.table import Table
 from brdfit.viewer.describe import reading_settings, writable
@@ -58,7 +58,6 @@ _TITLES = {
     "area_studio": "studio of three area lights",
     "point": "point light",
 }
-_COLOUR_ONLY = "merl"
 
 
 class Workbench:
@@ -251,7 +250,7 @@ def _writer(item: Item, kind: str, format: str) -> Callable[[Path], Any]:
         assert judged is not None
         return lambda path: write_samples(judged.samples, path, format=format)
     sheet = next(sheet for sheet in list_formats() if sheet.name == format)
-    table = rgb_table(item.table)[0] if format == _COLOUR_ONLY else item.table
+    table = rgb_table(item.table)[0] if needs_rgb(item.table, sheet) else item.table
     return lambda path: write_table(table, path, format=sheet.name)
 
 

@@ -1,20 +1,23 @@
-"""`brdfit convert`: one format in, another out; the content stays."""
+"""`brdfit convert`: one format in, another out, and what that loses."""
 
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from brdfit.cli.console import Console
 from brdfit.cli.declaration import add_reading_options, reading_options
 from brdfit.cli.parser import Parser
-from brdfit.errors import UsageError
+from brdfit.cli.writing import add_output_format
+from brdfit.errors import BrdfitError, UsageError
 
 if TYPE_CHECKING:
-    from brdfit.formats import FormatSheet
+    from brdfit.report.conversion import Converted
     from brdfit.report.reading import Kind
+    from brdfit.samples import Samples
     from brdfit.table import Table
 
 
@@ -24,69 +27,75 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
     parser.add_argument(
         "output", type=Path, metavar="OUT", help="File to write; the suffix says the format."
     )
+    add_output_format(parser)
     parser.add_argument(
         "--as",
         dest="kind",
         choices=["samples", "table"],
         help="What to convert, where both formats can hold both.",
     )
+    parser.add_argument(
+        "--json", action="store_true", help="Print what was kept and what was lost as JSON."
+    )
     add_reading_options(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read one file, write the other, say what was lost."""
-    from brdfit.formats import write_samples, write_table
-    from brdfit.report.reading import read_any
+    from brdfit.formats import format_to_write, rivals
+    from brdfit.report.conversion import convert
     from brdfit.samples import Samples
 
     source, target = arguments.input, arguments.output
-    sheet = _sheet_of(target)
+    sheet = format_to_write(target, format=arguments.to)
     _check_target(source, target)
     first: Kind = arguments.kind or ("table" if sheet.write_table is not None else "samples")
-    content = read_any(source, reading_options(arguments), first)
+    content = _read(source, reading_options(arguments), first, target)
     kind = "samples" if isinstance(content, Samples) else "table"
     if arguments.kind not in (None, kind):
         raise UsageError(f"{source.name}: holds {kind}, not {arguments.kind}.")
-    if isinstance(content, Samples):
-        if sheet.write_samples is None:
-            raise UsageError(
-                f"{target.name}: {sheet.title} holds a complete table, but {source.name} holds "
-                f"{len(content)} samples. To make a table of them: brdfit fit {source} -o {target}"
-            )
-        write_samples(content, target)
-    else:
-        if sheet.write_table is None:
-            raise UsageError(
-                f"{target.name}: {sheet.title} holds samples, but {source.name} holds a table. To "
-                f"sample it at directions of your own: brdfit evaluate {source} --at DIRECTIONS.csv"
-            )
-        write_table(_fitting(content, sheet, console), target)
-    console.say(f"wrote {target} ({kind}, {sheet.name})")
+    converted = convert(content, source, target, sheet)
+    if arguments.json:
+        console.result(json.dumps(_record(converted, arguments, console), indent=1))
+        return
+    others = rivals(sheet, target) if arguments.to is None else ()
+    hint = f"; --to {' or '.join(others)} writes another {target.suffix}" if others else ""
+    for note in converted.notes:
+        console.remark(f"  {'read':<11} {note}")
+    for loss in converted.losses:
+        console.remark(f"  {loss.aspect:<11} {'LOST ' if loss.lost else ''}{loss.sentence}")
+    console.say(f"wrote {target} ({kind}, {sheet.name}{hint})")
 
 
-def _fitting(table: Table, sheet: FormatSheet, console: Console) -> Table:
-    if sheet.name != "merl":
-        return table
-    from brdfit.report.rgb import rgb_table
+def _record(
+    converted: Converted, arguments: argparse.Namespace, console: Console
+) -> dict[str, Any]:
+    from brdfit.files import sha256_of_file
 
-    rgb, conversion = rgb_table(table)
-    if conversion.kind != "none":
-        console.say(f"  channels    {conversion}")
-    return rgb
+    source, target = arguments.input, arguments.output
+    return {
+        "schema": "brdfit.convert/1",
+        "input": {"name": source.name, "sha256": sha256_of_file(source)},
+        "output": {"name": target.name, "sha256": sha256_of_file(target)},
+        **converted.record(),
+        "warnings": list(console.warnings),
+    }
 
 
-def _sheet_of(target: Path) -> FormatSheet:
+def _read(source: Path, options: dict[str, Any], first: Kind, target: Path) -> Samples | Table:
     from brdfit.formats import list_formats
+    from brdfit.report.reading import read_any
 
-    able = [s for s in list_formats() if s.write_table is not None or s.write_samples is not None]
-    for sheet in able:
-        if target.suffix.lower() in sheet.extensions:
-            return sheet
-    known = ", ".join(f"{' '.join(sheet.extensions)} ({sheet.title})" for sheet in able)
-    raise UsageError(
-        f"{target.name}: the suffix {target.suffix!r} names no format that can be written. "
-        f"There are: {known}."
-    )
+    try:
+        return read_any(source, options, first)
+    except BrdfitError as error:
+        # --format is of the input; who typed it for the output finds the other option
+        named = next((s for s in list_formats() if s.name == options.get("format")), None)
+        if named is None or target.suffix.lower() not in named.extensions:
+            raise
+        raise UsageError(
+            f"{error} (--format is of the input; for the output: --to {named.name})"
+        ) from error
 
 
 def _check_target(source: Path, target: Path) -> None:

@@ -13,6 +13,7 @@ from brdfit.cli.console import Console
 from brdfit.cli.declaration import add_reading_options, reading_options
 from brdfit.cli.parser import Parser
 from brdfit.cli.settings import add_settings, given_settings, pick
+from brdfit.cli.writing import add_output_format
 from brdfit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -32,9 +33,10 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
         type=Path,
         required=True,
         metavar="OUT",
-        help="Table to write: .binary (MERL, R G B) or .npz (all channels). A .png, a .json and a "
-        ".csv appear beside it.",
+        help="Table to write: .binary (MERL, R G B), .npz or .exr (all channels), .bsdf, .xml. A "
+        ".png, a .json and a .csv appear beside it.",
     )
+    add_output_format(parser)
     add_method_options(parser, rest)
     add_reading_options(parser)
 
@@ -90,7 +92,7 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     from brdfit.report.fit_outputs import FitPaths
 
     # Before any work: is there a place for the result?
-    paths = FitPaths.beside(arguments.output, inputs=[arguments.samples])
+    paths = FitPaths.beside(arguments.output, inputs=[arguments.samples], format=arguments.to)
     options = reading_options(arguments)
     samples = read_samples(arguments.samples, **options)
     method = method_from(arguments)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from brdfit.cli.console import Console
 from brdfit.cli.declaration import add_reading_options, reading_options
 from brdfit.cli.parser import Parser
+from brdfit.cli.writing import add_output_format
 from brdfit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="OUT", help="File to write."
     )
+    add_output_format(parser)
     parser.add_argument("--json", action="store_true", help="Print the changes as JSON.")
     parser.add_argument(
         "--as",
@@ -67,9 +69,9 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     content = read_any(arguments.input, reading_options(arguments), arguments.kind)
     repair = _repaired(content, arguments)
     if isinstance(repair.content, Samples):
-        write_samples(repair.content, arguments.output)
+        write_samples(repair.content, arguments.output, format=arguments.to)
     else:
-        write_table(repair.content, arguments.output)
+        write_table(repair.content, arguments.output, format=arguments.to)
     if arguments.json:
         record = {
             "schema": "brdfit.repair/1",

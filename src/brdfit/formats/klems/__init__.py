@@ -45,6 +45,7 @@ SHEET = FormatSheet(
     sniff=_sniff,
     read_samples=_read_samples,
     write_table=_write_table,
+    colour="grey or RGB",
     loses=(
         "all but one channel or RGB (written as XYZ; more are refused), the grid (means over 145 x "
         "145 patches of some 10 to 15 degrees: a lobe narrower than that is spread), values below "

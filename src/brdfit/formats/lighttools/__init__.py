@@ -55,6 +55,7 @@ SHEET = FormatSheet(
     sniff=_sniff,
     read_samples=_read_samples,
     write_table=_write_table,
+    colour="grey or RGB",
     options=("light_azimuth",),
     loses=(
         "all but one channel or RGB (written as XYZ; more are refused), the grid (values at 18 "

@@ -8,6 +8,7 @@ from pathlib import Path
 from brdfit.errors import UsageError
 from brdfit.formats.merl.layout import CONVENTION, HEADER
 from brdfit.formats.sheet import FormatSheet
+from brdfit.grid import MERL_GRID
 from brdfit.samples import Samples
 from brdfit.table import Table
 
@@ -63,6 +64,8 @@ SHEET = FormatSheet(
     read_samples=_read_samples,
     read_table=_read_table,
     write_table=_write_table,
+    colour="RGB",
+    grid=MERL_GRID,
     options=("count", "seed"),
     precision=3e-16,
     loses=(

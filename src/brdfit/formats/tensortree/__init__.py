@@ -45,6 +45,7 @@ SHEET = FormatSheet(
     sniff=_sniff,
     read_samples=_read_samples,
     write_table=_write_table,
+    colour="grey or RGB",
     loses=(
         "all but luminance (of RGB, with a warning; more channels are refused), the grid (values "
         "at the middles of 32 sines of incidence x 64 x 64 cells of the disk, some 2 degrees), "
