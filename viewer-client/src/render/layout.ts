@@ -35,35 +35,35 @@ export function cellsFor(count: number, width: number, height: number): Cell[] {
   }));
 }
 
-/** How many light-pixels a frame may take: found out by doing, since GPUs differ 1000-fold. */
+/** Milliseconds of a frame that shading may take, beside what every frame costs. */
+const TARGET = 25;
+/** Light-pixels that cost next to nothing: a frame of so few shows what every frame costs. */
+const LITTLE = 5e4;
+
+/**
+ * How many light-pixels a frame may take: found out by doing, since GPUs differ 1000-fold.
+ *
+ * A frame costs what every frame costs, and something for each light-pixel: only the second
+ * gets less by asking for less.
+ */
 export class Pace {
-  private perFrame = 6e5;
-  private asked = 0;
-  private since = 0;
+  /** Milliseconds for a light-pixel. The first guess: something to see at once, anywhere. */
+  private each = TARGET / 6e5;
+  private overhead = 17;
 
   /** Light-pixels that the next frame may take. */
   get budget(): number {
-    return this.perFrame;
+    return Math.min(Math.max(TARGET / this.each, 0.8 * LITTLE), 4e9);
   }
 
-  /** Note at the start of a frame how long the one before took, if it was a full one. */
-  begin(now: number): void {
-    const took = now - this.since;
-    if (this.asked > 0 && this.since > 0 && took < 2000) {
-      if (took > 45) this.perFrame = Math.max(2e4, this.perFrame * Math.max(0.3, 30 / took));
-      else if (took < 22 && this.asked > 0.5 * this.perFrame) this.perFrame *= 1.6;
+  /** Note how many milliseconds so many light-pixels took, until the card was done with them. */
+  note(asked: number, took: number): void {
+    if (asked < LITTLE) this.overhead = 0.5 * (this.overhead + took);
+    else this.overhead = Math.min(this.overhead, took);
+    const beyond = Math.max(took - this.overhead, 1);
+    // a frame that asked for little and was quick tells nothing
+    if (asked > 0.3 * this.budget || beyond > TARGET) {
+      this.each = 0.5 * (this.each + beyond / asked);
     }
-    this.perFrame = Math.min(this.perFrame, 4e9);
-    this.since = now;
-    this.asked = 0;
-  }
-
-  spend(lightPixels: number): void {
-    this.asked += lightPixels;
-  }
-
-  /** Forget when the last frame was: the page was idle since. */
-  rest(): void {
-    this.since = 0;
   }
 }

@@ -41,6 +41,8 @@ interface Images {
 const LEVEL = 0.8;
 const PERCENTILE = 0.95;
 const MOST_DIFFERENT = 10;
+/** Pixels of a picture in motion for one on the screen, along an edge. */
+const COARSEST = 0.1;
 
 export class Renderer {
   /** Called when something is on the screen, however coarse. */
@@ -56,6 +58,7 @@ export class Renderer {
   private shown: Images | null = null;
   private coming: Images | null = null;
   private next = 0;
+  private busy: { sync: WebGLSync; asked: number; since: number } | null = null;
   private moving = false;
   private stale = true;
   private exposure = 1;
@@ -114,14 +117,19 @@ export class Renderer {
   private frame(now: number): void {
     const scene = this.scene;
     if (!scene || scene.materials.length === 0 || this.gl.isContextLost()) return;
-    this.pace.begin(now);
+    if (!this.done(now)) {
+      this.request();
+      return;
+    }
     const cell = this.cells(scene)[0]!;
     const lights = Math.max(scene.lights.direction.length, 1);
     this.coming ??= this.begin(scene, cell, lights);
     const pixels = this.coming.normals.width * this.coming.normals.height;
     const each = pixels * scene.materials.length;
-    const last = Math.min(lights, this.next + Math.max(1, Math.floor(this.pace.budget / each)));
-    this.pace.spend((last - this.next) * each);
+    const most = Math.max(1, Math.floor(this.pace.budget / each));
+    // what is coarse was made to fit one frame: under a hand that moves, the next would drop it
+    const last = this.coming.share < 1 ? lights : Math.min(lights, this.next + most);
+    const asked = (last - this.next) * each;
     for (; this.next < last; this.next += shaders.LIGHTS_AT_ONCE) {
       this.addLights(
         scene,
@@ -131,6 +139,7 @@ export class Renderer {
       );
     }
     this.next = last;
+    this.mark(asked, now);
     if (last < lights) {
       this.request();
       return;
@@ -143,10 +152,27 @@ export class Renderer {
     this.present(this.shown, whole);
     if (whole) {
       this.stale = false;
-      this.pace.rest();
     } else if (!this.moving) {
       this.request();
     }
+  }
+
+  /** Remember what was asked of the graphics card, and when. */
+  private mark(asked: number, now: number): void {
+    const sync = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    this.gl.flush();
+    if (sync) this.busy = { sync, asked, since: now };
+  }
+
+  /** Whether the card has done what it was asked: more would only wait in line. */
+  private done(now: number): boolean {
+    if (!this.busy) return true;
+    const { sync, asked, since } = this.busy;
+    if (this.gl.getSyncParameter(sync, this.gl.SYNC_STATUS) !== this.gl.SIGNALED) return false;
+    this.gl.deleteSync(sync);
+    this.busy = null;
+    this.pace.note(asked, now - since);
+    return true;
   }
 
   private cells(scene: Scene): Cell[] {
@@ -163,7 +189,7 @@ export class Renderer {
     // Something to see at once: what one frame can do, then the whole.
     const fits = Math.sqrt(Math.min(1, this.pace.budget / total));
     const coarse = this.moving || this.shown === null;
-    const share = coarse ? Math.max(fits, 0.125) : 1;
+    const share = coarse ? Math.max(fits, COARSEST) : 1;
     const [width, height] = [Math.ceil(cell.width * share), Math.ceil(cell.height * share)];
     const gl = this.gl;
     const images: Images = {
