@@ -89,7 +89,7 @@ def test_repair_writes_what_physics_allows_and_lists_it(
     out_file = tmp_path / "good.npz"
     code, out, err = run("repair", bright, "-o", out_file)
     assert code == 0, err
-    for said in ("50 cells with a negative value", "50 missing cells", "cells were lowered"):
+    for said in ("50 cells hold a negative value", "50 cells (", "cells were lowered"):
         assert said in out
     table = read_table(out_file)
     assert table.missing == 0
@@ -117,3 +117,11 @@ def test_repair_does_not_write_over_its_input(run: Run, bright: Path) -> None:
     code, _, err = run("repair", bright, "-o", bright)
     assert code == 2
     assert "is the input" in err
+
+
+def test_a_format_that_cannot_be_written_is_refused_before_the_work(
+    run: Run, tmp_path: Path
+) -> None:
+    code, _, err = run("repair", tmp_path / "none.binary", "-o", tmp_path / "out.xyz")
+    assert code == 2
+    assert "'.xyz' does not say how to write a file" in err

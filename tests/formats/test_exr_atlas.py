@@ -162,3 +162,21 @@ def test_headers_that_do_not_end_are_named(tmp_path: Path) -> None:
         path.write_bytes(content[:cut])
         with pytest.raises(CorruptFile, match=match):
             brdfit.read_table(path)
+
+
+def test_more_pixels_than_the_bytes_can_hold_are_refused_before_memory_is_set_aside(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "a.exr"
+    write_exr({"Y": np.ones((8, 16))}, {}, path)
+    content = path.read_bytes()
+    window = b"dataWindow\0box2i\0\x10\0\0\0" + bytes(8)
+    at = content.index(window) + len(window)
+    path.write_bytes(content[:at] + b"\xff\x1f\0\0\xff\x1f\0\0" + content[at + 8 :])
+    with pytest.raises(CorruptFile, match=r"8192 x 8192 pixels, which [0-9]+ bytes cannot hold"):
+        brdfit.read_table(path)
+
+
+def test_an_even_picture_is_no_reason_to_doubt(tmp_path: Path) -> None:
+    write_exr({"Y": np.ones((512, 1024))}, {}, tmp_path / "a.exr")
+    assert read_exr(tmp_path / "a.exr")[0]["Y"].shape == (512, 1024)

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from brdfit.geometry import half_diff_from_directions
+from brdfit.geometry import directions_from_spherical, half_diff_from_directions
 from brdfit.models import Ggx, Lambert
 from brdfit.physics import Verdict, directional_albedo, examine
 from brdfit.physics.alignment import find_alignment
@@ -144,3 +144,36 @@ def test_real_measurements_are_found_in_order(shared_data):
     assert health["reciprocity"].verdict is Verdict.GOOD
     assert health["symmetry"].verdict is Verdict.GOOD
     assert 0.85 < health["energy"].figure < 1.0
+
+
+def test_dark_bands_are_counted_by_their_values_and_are_no_fault():
+    rng = np.random.default_rng(3)
+    value = rng.uniform(0.1, 0.2, (40, 4))
+    value[:38, 3] = 0.0
+    w = directions_from_spherical(rng.uniform(0.1, 1.2, (2, 40)), rng.uniform(0, 6, (2, 40)))
+    names = ("400nm", "500nm", "600nm", "700nm")
+    finding = examine(Samples(wi=w[0], wo=w[1], value=value, channels=names))["cells"]
+    assert finding.figure == pytest.approx(38 / 160)
+    assert "38 hold a zero: in all 23.8% of the values, most in 700nm, where it is 95%" in (
+        finding.sentence
+    )
+    assert finding.details["lost_by_channel"]["700nm"] == pytest.approx(0.95)
+    value[:, 2] = value[:, 3]
+    assert examine(Samples(wi=w[0], wo=w[1], value=value))["cells"].verdict is Verdict.LOOK
+    value[:, 2:] = -1.0
+    negative = examine(Samples(wi=w[0], wo=w[1], value=value))["cells"]
+    assert negative.verdict is Verdict.WRONG
+    assert "40 hold a negative value (down to -1 1/sr)" in negative.sentence
+
+
+def test_samples_without_fault_are_said_to_be_so():
+    w = np.array([[0.0, 0.0, 1.0]] * 12)
+    finding = examine(Samples(wi=w, wo=w, value=np.ones((12, 1))))["cells"]
+    assert finding.sentence == "all 12 samples can be used, and no value is zero or negative"
+
+
+def test_why_samples_cannot_be_used_is_counted():
+    w = np.array([[0.0, 0.0, 1.0]] * 12)
+    down = np.where(np.arange(12)[:, None] < 3, -w, w)
+    finding = examine(Samples(wi=w, wo=down, value=np.ones((12, 1))))["cells"]
+    assert "of 12 samples 3 cannot be used (3 below horizon): in all 25.0%" in finding.sentence

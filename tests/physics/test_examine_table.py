@@ -112,3 +112,18 @@ def test_an_empty_table_gives_findings_not_errors(table_of):
     health = examine(table)
     assert health["cells"].verdict is Verdict.WRONG
     assert health["energy"].verdict is Verdict.UNKNOWN
+
+
+def test_how_negative_a_table_is_stands_in_the_sentence(table_of):
+    table = table_of(Ggx(diffuse=[0.1, 0.5], f0=0.3, alpha=0.3))
+    values = table.values.copy()
+    values.reshape(-1, 2)[table.grid.cells[:3], 1] = -7.0
+    sentence = examine(Table(values=values, grid=table.grid))["cells"].sentence
+    assert "3 hold a negative value" in sentence
+    assert f"down to -7 1/sr in {table.channels[1]}" in sentence
+    assert "hold nothing" not in sentence
+
+
+def test_a_table_without_fault_is_said_to_be_so(table_of):
+    table = table_of(Ggx(diffuse=[0.1, 0.5], f0=0.3, alpha=0.3))
+    assert examine(table)["cells"].sentence.endswith("hold values above zero")

@@ -113,3 +113,26 @@ def test_samples_in_order_come_back_as_they_went_in(measured):
     repair = repair_samples(samples)
     assert repair.changed == 0
     assert repair.content is samples
+
+
+def test_a_negative_channel_is_filled_and_the_others_are_kept(table_of):
+    table = table_of(PAINT)
+    values = np.array(table.values)
+    values[4:8, 4:8, 20:24, 1] = -0.5
+    repair = repair_table(Table(values=values, grid=table.grid))
+    assert np.array_equal(repair.content.values[..., 0], table.values[..., 0])
+    np.testing.assert_allclose(
+        repair.content.values[4:8, 4:8, 20:24, 1], table.values[4:8, 4:8, 20:24, 1], rtol=0.1
+    )
+    assert change(repair, "negative").figures == {"lowest": -0.5, "values": 64}
+    assert "not their other channels" in change(repair, "negative").sentence
+
+
+def test_a_channel_that_is_negative_everywhere_has_nothing_to_be_filled_from(table_of):
+    table = table_of(PAINT)
+    values = np.array(table.values)
+    values[..., 1] = -1.0
+    repair = repair_table(Table(values=values, grid=table.grid))
+    assert np.array_equal(repair.content.values[..., 0], table.values[..., 0])
+    assert "stays as it is" in change(repair, "fill").sentence
+    assert change(repair, "fill").figures["empty_channels"] == [table.channels[1]]

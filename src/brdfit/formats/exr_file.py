@@ -19,6 +19,9 @@ MAGIC = b"\x76\x2f\x31\x01"
 MOST_PIXELS = 1 << 27
 """Bigger pictures are refused before a byte is allocated for them."""
 _MOST_NUMBERS = 1 << 29
+# Pixels in a byte: an even picture packs to a few bytes for each 32 lines. The library sets all
+# memory aside before it reads, and keeps it where it fails.
+_MOST_PACKED = 1 << 15
 _MOST_HEADER = 1 << 24
 # Type, linearity and sampling, after the name of a channel.
 _CHANNEL_BYTES = 16
@@ -51,6 +54,12 @@ def read_exr_header(path: Path, most_pixels: int = MOST_PIXELS) -> dict[str, Any
         raise _unreadable(path, error) from error
     extent = high - low + 1
     pixels = int(extent[0]) * int(extent[1])
+    if pixels * planes > path.stat().st_size * _MOST_PACKED:
+        raise CorruptFile(
+            f"{path.name}: the header claims {planes} channels of {extent[0]} x {extent[1]} "
+            f"pixels, which {path.stat().st_size:,} bytes cannot hold. The file is damaged or "
+            f"truncated; copy it again."
+        )
     if (extent < 1).any() or pixels > most_pixels or pixels * planes > _MOST_NUMBERS:
         raise CorruptFile(
             f"{path.name}: the header claims {planes} channels of {extent[0]} x {extent[1]} "

@@ -16,30 +16,42 @@ _SWEEPS = 60
 _NOTHING = 0.1
 
 
-def filled(table: Table) -> Table:
+def filled(table: Table, wrong: BoolArray | None = None) -> Table:
     """Return `table` with every cell above the horizon valid.
 
     Missing cells start from the nearest valid one and are then swept: ln f becomes the mean
     of its neighbours along theta_h, theta_d and phi_d (periodic), which tends to the harmonic
-    function between the valid cells. Measured cells are not changed. A table without any
-    valid cell is returned as it is.
+    function between the valid cells. `wrong`, shaped as the values, marks single values that
+    are filled in their channel only. Everything else is not changed. A channel without any
+    valid value is returned as it is.
     """
-    missing = table.grid.above_horizon & ~table.mask
-    if not missing.any() or not table.mask.any():
-        return table
-    start = table.nearest_valid.reshape(-1)[np.flatnonzero(missing)]
-    holes = _Holes(table, missing)
+    exists = table.grid.above_horizon
     values = np.array(table.values)
+    holes: _Holes | None = None
     for channel in range(table.n_channels):
-        values[..., channel][missing] = holes.values(table.values[..., channel], start)
+        own = None if wrong is None or not wrong[..., channel].any() else wrong[..., channel]
+        if own is not None:
+            valid = table.mask & ~own
+            there = _Holes.of(replace(table, valid=valid), exists & ~valid)
+        else:
+            there = holes = holes or _Holes.of(table, exists & ~table.mask)
+        if there is not None:
+            values[there.missing, channel] = there.values(table.values[..., channel])
     values.flags.writeable = False
-    return replace(table, values=values, valid=table.mask | missing)
+    return replace(table, values=values, valid=exists if table.mask.any() else table.mask)
 
 
 class _Holes:
     """The missing cells of a table and their six neighbours."""
 
+    @classmethod
+    def of(cls, table: Table, missing: BoolArray) -> _Holes | None:
+        """Return None where nothing is missing, or there is nothing to fill from."""
+        return cls(table, missing) if missing.any() and table.mask.any() else None
+
     def __init__(self, table: Table, missing: BoolArray) -> None:
+        self.missing = missing
+        self._start = table.nearest_valid.reshape(-1)[np.flatnonzero(missing)]
         shape = table.grid.shape
         at = np.stack(np.nonzero(missing))
         known = table.grid.above_horizon
@@ -60,8 +72,9 @@ class _Holes:
         self._total = np.maximum(1, np.sum(self._counts, axis=0))
         self._valid = table.mask.reshape(-1)
 
-    def values(self, column: FloatArray, start: IntArray) -> FloatArray:
+    def values(self, column: FloatArray) -> FloatArray:
         """Return the values (missing cells,) of one channel."""
+        start = self._start
         f = column.reshape(-1).astype(np.float64)
         positive = f[self._valid & (f > 0.0)]
         if positive.size == 0:

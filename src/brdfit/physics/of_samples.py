@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from brdfit.albedo import albedo_rule
 from brdfit.arrays import BoolArray, FloatArray, IntArray, normalize
 from brdfit.physics.alignment import find_alignment
-from brdfit.physics.finding import Finding
+from brdfit.physics.finding import Finding, Verdict
 from brdfit.physics.neighbourhood import Neighbourhood, mean_of_channels
 from brdfit.physics.verdicts import (
     GRAZING,
@@ -23,8 +25,9 @@ from brdfit.samples import Samples
 
 __all__ = ["sample_findings"]
 
-# Share of the samples at or under the noise floor, or unusable: (good below, wrong above).
+# Share of the values at or under the noise floor, or unusable: (good below, wrong above).
 _LOST = (0.02, 0.3)
+_UNUSABLE = ("not_finite", "below_horizon", "not_unit", "unreadable", "rejected")
 _ENOUGH = 10
 # Degrees within which two samples are at one place; the closest that gives enough pairs.
 _WITHIN = (0.25, 0.5, 1.0)
@@ -56,20 +59,48 @@ def sample_findings(samples: Samples) -> tuple[Finding, ...]:
 def _cells(samples: Samples) -> Finding:
     unusable = ~samples.usable.any(axis=1)
     value = np.where(samples.usable, samples.value, 1.0)
-    negative, zero = (value < 0.0).any(axis=1), (value == 0.0).any(axis=1)
-    lost = unusable | negative | zero
-    share = float(lost.mean()) if len(samples) else 1.0
-    sentence = (
-        f"of {len(samples)} samples {int(unusable.sum())} cannot be used, {int(negative.sum())} "
-        f"hold a negative and {int(zero.sum())} a zero value: at or under the noise floor"
-    )
+    lost = ~samples.usable | (value <= 0.0)
+    # of 31 bands one may be dark: the share is of values, not of samples that have some
+    share = float(lost.mean()) if lost.size else 1.0
     details = {
         "unusable": int(unusable.sum()),
-        "negative": int(negative.sum()),
-        "zero": int(zero.sum()),
+        "negative": int((value < 0.0).any(axis=1).sum()),
+        "zero": int((value == 0.0).any(axis=1).sum()),
+        "lost_by_channel": dict(zip(samples.channels, lost.mean(axis=0).tolist(), strict=True))
+        if len(samples)
+        else {},
+        "most_negative": float(min(value.min(initial=0.0), 0.0)),
         "flags": samples.flag_counts(),
     }
-    return Finding("cells", graded(share, _LOST), sentence, share, "share of samples", details)
+    sentence = _cells_in_words(samples, details, share)
+    verdict = graded(share, _LOST)
+    if verdict is Verdict.WRONG and np.all(value >= 0.0) and not unusable.any():
+        verdict = Verdict.LOOK  # dark under the noise floor: no fault of anybody
+    return Finding("cells", verdict, sentence, share, "share of values", details)
+
+
+def _cells_in_words(samples: Samples, details: dict[str, Any], share: float) -> str:
+    n = len(samples)
+    if share == 0.0:
+        return f"all {n:,} samples can be used, and no value is zero or negative"
+    parts = []
+    if details["unusable"]:
+        why = ", ".join(
+            f"{count:,} {flag.replace('_', ' ')}"
+            for flag, count in details["flags"].items()
+            if flag in _UNUSABLE
+        )
+        parts.append(f"{details['unusable']:,} cannot be used ({why})")
+    if details["negative"]:
+        low = details["most_negative"]
+        parts.append(f"{details['negative']:,} hold a negative value (down to {low:.3g} 1/sr)")
+    if details["zero"]:
+        parts.append(f"{details['zero']:,} hold a zero")
+    text = f"of {n:,} samples {', '.join(parts)}: in all {share:.1%} of the values"
+    if samples.n_channels > 1:
+        worst, most = max(details["lost_by_channel"].items(), key=lambda item: item[1])
+        text += f", most in {worst}, where it is {most:.0%}"
+    return text
 
 
 def _reciprocity(near: Neighbourhood) -> Finding:

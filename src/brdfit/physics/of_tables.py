@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
@@ -68,11 +70,6 @@ def _cells(table: Table) -> Finding:
     verdict = graded(share, _HOLES)
     if verdict is Verdict.GOOD and negative.any():
         verdict = Verdict.LOOK
-    sentence = (
-        f"{int(missing.sum())} of {int(exists.sum())} cells above the horizon hold nothing "
-        f"({measure[missing].sum():.1%} of the domain), {int(negative.sum())} a negative and "
-        f"{int(zero.sum())} a zero value"
-    )
     details = {
         "missing": int(missing.sum()),
         "negative": int(negative.sum()),
@@ -80,7 +77,28 @@ def _cells(table: Table) -> Finding:
         "missing_share": float(measure[missing].sum()),
         "negative_share": float(measure[negative].sum()),
     }
+    sentence = _cells_in_words(table, details, int(exists.sum()))
     return Finding("cells", verdict, sentence, share, "share of the domain", details)
+
+
+def _cells_in_words(table: Table, details: dict[str, Any], exists: int) -> str:
+    parts = []
+    if details["missing"]:
+        parts.append(
+            f"{details['missing']:,} hold nothing ({details['missing_share']:.1%} of the domain)"
+        )
+    if details["negative"]:
+        lowest = table.values[table.mask].min(axis=0)
+        channel = int(np.argmin(lowest))
+        parts.append(
+            f"{details['negative']:,} hold a negative value ({details['negative_share']:.1%}), "
+            f"down to {lowest[channel]:.3g} 1/sr in {table.channels[channel]}"
+        )
+    if details["zero"]:
+        parts.append(f"{details['zero']:,} hold a zero")
+    if not parts:
+        return f"all {exists:,} cells above the horizon hold values above zero"
+    return f"of {exists:,} cells above the horizon {', '.join(parts)}"
 
 
 def _energy(table: Table) -> Finding:

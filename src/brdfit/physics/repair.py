@@ -69,16 +69,19 @@ def repair_table(
 ) -> Repair:
     """Return `table` with what can be put right put right.
 
-    Negative cells hold nothing afterwards; cells that hold nothing are filled from their
-    neighbours (unless `fill` is false); phi_d and -phi_d are averaged if `symmetrize` says so;
+    Negative values, in their channel only, and cells that hold nothing are filled from their
+    neighbours; if `fill` is false, cells with a negative value hold nothing afterwards, since a
+    table knows no holes in a channel. phi_d and -phi_d are averaged if `symmetrize` says so;
     values give way until no incidence reflects more than `limit`, first those that were filled
     in and those beyond 75 degrees, then, if that is not enough, all alike.
     """
-    measured = table.mask & (table.values >= 0.0).all(axis=3)
-    table, negative = _without_negative(table, measured)
-    changes = [negative]
+    negative = table.mask[..., None] & (table.values < 0.0)
+    measured = table.mask & ~negative.any(axis=3)
+    changes = [_negative(table, negative, fill)]
+    if not fill and negative.any():
+        table = replace(table, valid=measured)
     if fill:
-        table, change = _filled(table)
+        table, change = _filled(table, negative)
         changes.append(change)
     if symmetrize:
         table, change = _symmetrized(table)
@@ -107,7 +110,7 @@ def repair_samples(samples: Samples) -> Repair:
     most = float(np.max(apart[both & (mean > 0.0)], initial=0.0))
     count = int((both & (first != second)).any(axis=1).sum())
     sentence = (
-        f"{count} pairs of samples with light and detector exchanged got the mean of both "
+        f"{count:,} pairs of samples with light and detector exchanged got the mean of both "
         f"(they were apart by at most {most:.1%} of it)"
         if count
         else "no samples have light and detector exchanged and differ: nothing was averaged"
@@ -128,26 +131,39 @@ def _disjoint(pairs: IntArray) -> IntArray:
     return pairs[:, keep]
 
 
-def _without_negative(table: Table, measured: BoolArray) -> tuple[Table, Change]:
-    negative = table.mask & ~measured
-    count = int(negative.sum())
-    sentence = f"{count} cells with a negative value were taken for missing"
-    lowest = float(table.values[negative].min()) if count else 0.0
-    change = Change("negative", count, sentence, {"lowest": lowest})
-    return (replace(table, valid=measured) if count else table), change
-
-
-def _filled(table: Table) -> tuple[Table, Change]:
-    missing = table.missing
-    if missing == 0 or not table.mask.any():
-        why = "no cell was missing" if missing == 0 else "no cell holds a value to fill from"
-        return table, Change("fill", 0, f"{why}: nothing was filled", {})
-    share = float(table.grid.solid_angle[~table.mask].sum())
+def _negative(table: Table, negative: BoolArray, fill: bool) -> Change:
+    cells = int(negative.any(axis=3).sum())
+    if not cells:
+        return Change("negative", 0, "no cell holds a negative value", {"lowest": 0.0})
+    lowest = float(table.values[negative].min())
+    told = "those values, but not their other channels," if fill else "those cells"
     sentence = (
-        f"{missing} missing cells ({share:.1%} of the domain) were filled from their neighbours: "
-        f"nobody measured them"
+        f"{cells:,} cells hold a negative value in some channel, down to {lowest:.3g} 1/sr: {told} "
+        f"were taken for missing"
     )
-    return filled(table), Change("fill", missing, sentence, {"share": share})
+    return Change("negative", cells, sentence, {"lowest": lowest, "values": int(negative.sum())})
+
+
+def _filled(table: Table, negative: BoolArray) -> tuple[Table, Change]:
+    lost = table.grid.above_horizon & (~table.mask | negative.any(axis=3))
+    count = int(lost.sum())
+    good = table.mask[..., None] & ~negative
+    if count == 0 or not good.any():
+        why = "no cell was missing" if count == 0 else "no cell holds a value to fill from"
+        return table, Change("fill", 0, f"{why}: nothing was filled", {})
+    share = float(table.grid.solid_angle[lost].sum())
+    sentence = (
+        f"{count:,} cells ({share:.1%} of the domain) were filled from their neighbours: nobody "
+        f"measured them"
+    )
+    partly = count - table.missing
+    if partly:
+        sentence += f"; {partly:,} of them in the negative channels only"
+    empty = [n for c, n in enumerate(table.channels) if not good[..., c].any()]
+    if empty:
+        sentence += f"; {', '.join(empty)} holds no value to fill from and stays as it is"
+    figures = {"share": share, "missing": table.missing, "empty_channels": empty}
+    return filled(table, negative), Change("fill", count, sentence, figures)
 
 
 def _symmetrized(table: Table) -> tuple[Table, Change]:
@@ -159,7 +175,7 @@ def _symmetrized(table: Table) -> tuple[Table, Change]:
         apart = np.abs(table.values - mirrored)[moved] / (2.0 * mean[moved])
     most = float(np.nanmax(apart, initial=0.0))
     count = int(moved.sum())
-    sentence = f"{count} cells got the mean of phi_d and -phi_d (at most {most:.1%} away from it)"
+    sentence = f"{count:,} cells got the mean of phi_d and -phi_d (at most {most:.1%} away from it)"
     change = Change("symmetry", count, sentence, {"largest_difference": most})
     return replace(table, values=mean.astype(table.values.dtype)), change
 
@@ -175,9 +191,9 @@ def _limited(table: Table, measured: BoolArray, limit: float) -> tuple[Table, Ch
     lowered = (result.table.values < 0.999 * table.values).any(axis=3)
     reliable = int((lowered & (doubt == _RELIABLE)).sum())
     sentence = (
-        f"{result.changed} cells were lowered, the most to {result.strongest:.0%} of its value, so "
-        f"that the largest directional albedo is {after:.3f} where it was {before:.3f}; {reliable} "
-        f"of them were measured, within {GRAZING:g} degrees"
+        f"{result.changed:,} cells were lowered, the most to {result.strongest:.0%} of its value, "
+        f"so that the largest directional albedo is {after:.3f} where it was {before:.3f}; "
+        f"{reliable:,} of them were measured, within {GRAZING:g} degrees"
     )
     return result.table, Change(
         "energy", result.changed, sentence, figures | {"reliable": reliable}

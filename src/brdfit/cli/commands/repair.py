@@ -16,6 +16,7 @@ from brdfit.errors import UsageError
 
 if TYPE_CHECKING:
     from brdfit.physics import Repair
+    from brdfit.report.reading import Kind
     from brdfit.samples import Samples
     from brdfit.table import Table
 
@@ -37,8 +38,8 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
     )
     group = parser.add_argument_group(
         "what is put right in a table",
-        "Always: a negative value is taken for missing. In samples: the values of exchanged light "
-        "and detector are averaged.",
+        "Always: a negative value is taken for missing, in its channel. In samples: the values of "
+        "exchanged light and detector are averaged.",
     )
     group.add_argument(
         "--keep-missing", action="store_true", help="Leave cells missing that nobody measured."
@@ -60,13 +61,17 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read, repair, write, tell."""
     from brdfit.files import sha256_of_file
-    from brdfit.formats import write_samples, write_table
+    from brdfit.formats import format_to_write, write_samples, write_table
     from brdfit.report.reading import read_any
     from brdfit.samples import Samples
 
     if arguments.output.resolve() == arguments.input.resolve():
         raise UsageError(f"{arguments.output}: is the input; the output must be another file.")
+    # before any work: is there a format, and can it hold what is read?
+    format_to_write(arguments.output, format=arguments.to)
     content = read_any(arguments.input, reading_options(arguments), arguments.kind)
+    kind: Kind = "samples" if isinstance(content, Samples) else "table"
+    format_to_write(arguments.output, format=arguments.to, kind=kind)
     repair = _repaired(content, arguments)
     if isinstance(repair.content, Samples):
         write_samples(repair.content, arguments.output, format=arguments.to)

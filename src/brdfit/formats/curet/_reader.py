@@ -72,7 +72,8 @@ def _material_of(name: str, material: int | str | None, known: list[str]) -> str
         if len(known) == 1:
             return known[0]
         raise UsageError(
-            f"{name}: holds {len(known)} materials; say which with material=... ({allowed})."
+            f"{name}: holds {len(known)} materials; say which with material=..., on the "
+            f"command line --material ({allowed})."
         )
     if str(material) not in known:
         raise UsageError(f"{name}: has no material {material!r}; it has {allowed}.")

@@ -101,7 +101,8 @@ def _chosen(name: str, material: str | None, known: list[str]) -> str:
         if len(known) == 1:
             return known[0]
         raise UsageError(
-            f"{name}: holds {len(known)} materials; say which with material=... ({shown})."
+            f"{name}: holds {len(known)} materials; say which with material=..., on the "
+            f"command line --material ({shown})."
         )
     if material not in known:
         close = difflib.get_close_matches(str(material), known, n=1)

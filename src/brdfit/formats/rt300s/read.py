@@ -146,5 +146,5 @@ def _blank_beside(path: Path) -> Path:
     raise UsageError(
         f"{path.name}: a measurement of the RT-300S needs its blank, and of workbooks whose name "
         f"begins with 'blank' there is {found} beside it. Name it with blank=..., or read without "
-        f"with blank=False."
+        f"with blank=False (on the command line --option blank=FILE or blank=false)."
     )
