@@ -32,7 +32,10 @@ _STYLE = (
     ".brdfit-shown .mark{fill:#2f78c4;opacity:.7}"
     ".brdfit-shown .outlier{fill:none;stroke:#c2309f;stroke-width:1.6}"
     ".brdfit-shown dl{display:grid;grid-template-columns:auto 1fr;gap:.1rem .8rem;margin:0}"
-    ".brdfit-shown dt{opacity:.7}.brdfit-shown dd{margin:0}"
+    # JupyterLab floats and narrows the parts of a list
+    ".brdfit-shown dl>dt,.brdfit-shown dl>dd"
+    "{float:none;width:auto;margin:0;padding:0;font-weight:normal}"
+    ".brdfit-shown dl>dt{opacity:.7}"
 )
 
 

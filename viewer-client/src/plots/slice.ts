@@ -25,6 +25,9 @@ interface Frame {
 }
 
 const MOST_ABOVE = 4;
+/** Where the horizontal axis begins, and how far before the right edge it ends. */
+export const LEFT = 60;
+export const RIGHT = 10;
 const TICKS = [-90, -60, -30, 0, 30, 60, 90];
 
 /** Return all values of a slice that its scale has to hold. */
@@ -53,7 +56,7 @@ export function slicePlot(panel: SlicePanel, options: SliceOptions): SVGSVGEleme
   const { width = 560, height = 300 } = options;
   const shown = options.other ? [panel, options.other] : [panel];
   const scale = commonScale(shown, options.scale);
-  const frame: Frame = { left: 52, right: width - 10, top: 10, bottom: height - 36, scale };
+  const frame: Frame = { left: LEFT, right: width - RIGHT, top: 10, bottom: height - 36, scale };
   const plot = svg("svg", {
     viewBox: `0 0 ${width} ${height}`,
     class: "plot slice-plot",

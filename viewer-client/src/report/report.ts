@@ -3,7 +3,7 @@
 import type { SlicePanel } from "../messages";
 import { polarPlot } from "../plots/polar";
 import type { ScaleKind } from "../plots/scale";
-import { slicePlot } from "../plots/slice";
+import { LEFT, RIGHT, slicePlot } from "../plots/slice";
 import { html } from "../plots/svg";
 import { type SliceData, unpacked } from "./data";
 
@@ -149,9 +149,9 @@ class Slices {
     const drawing = this.plot.querySelector("svg");
     const box = drawing?.getBoundingClientRect();
     if (!drawing || !box || (event.target as Element).closest(".sample")) return;
-    // the plot's own units: the axis runs from 52 to 10 before the right edge
     const width = drawing.viewBox.baseVal.width;
-    const share = (((event.clientX - box.left) / box.width) * width - 52) / (width - 62);
+    const share =
+      (((event.clientX - box.left) / box.width) * width - LEFT) / (width - LEFT - RIGHT);
     this.read(this.data.theta_o.findIndex((theta) => theta >= share * 180 - 90));
   }
 

@@ -127,9 +127,14 @@ export class SlicesPanel {
     };
     this.plots.replaceChildren(slicePlot(panel, options), polarPlot(panel, options));
     const banded = panel.curves.some((curve) => curve.low !== null);
+    const band = banded ? "The band holds 95 %." : "No band: no uncertainty is stated.";
+    if (!this.model.active?.samples) {
+      this.note.textContent = `A table alone: no measurements are known. ${band}`;
+      return;
+    }
     const left = panel.points_left_out ? `, ${panel.points_left_out} more not drawn` : "";
     this.note.textContent =
       `${panel.points.length} measured values within 3° of the light's angle and 5° of the plane` +
-      `${left}. ${banded ? "The band holds 95 %." : "No band: no uncertainty is stated."}`;
+      `${left}. ${band}`;
   }
 }

@@ -231,8 +231,8 @@ export class Stage {
     const ratio = this.canvas.width / Math.max(this.canvas.clientWidth, 1);
     const names = this.model.entries.map(titleOf);
     if (state.cells.length > names.length) {
-      const mean = state.difference === null ? "" : `, mean ${state.difference.toFixed(2)}`;
-      names.push(`ΔE00 of the first two${mean} (yellow: 10)`);
+      const mean = state.difference === null ? "" : ` ${state.difference.toFixed(2)} on average`;
+      names.push(`ΔE00${mean}; yellow: 10`);
     }
     this.labels.replaceChildren(
       ...state.cells.map((cell, n) => {
@@ -245,7 +245,8 @@ export class Stage {
     this.canvas.setAttribute("aria-label", `rendered: ${names.join("; ")}`);
     const handle = this.lightHandle.style;
     const cell = state.cells[0];
-    handle.display = this.light === POINT && cell ? "block" : "none";
+    const marked = this.light === POINT && this.shape === "sphere";
+    handle.display = marked && cell ? "block" : "none";
     if (cell) {
       const [x, y] = this.highlight;
       const top = this.canvas.height - cell.y - cell.centreY;
