@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from brdfit.robust import Background, Mixture
+from brdfit.robust import Background, Factors, Mixture
 
 
 def judged(y, mean, variance=0.01, known=None):
@@ -43,3 +43,41 @@ def test_the_share_stays_inside_and_follows_the_verdict():
     assert abs(mixture.updated(y, verdict, known).share - 0.4) < 0.05
     good, known, mixture = judged(y[:60], np.zeros((60, 1)))
     assert 0.0 < mixture.updated(y[:60], good, known).share < 0.1
+
+
+def test_the_densities_are_those_of_the_formula():
+    y, mean = np.array([[1.0, -0.5]]), np.array([[0.8, 0.1]])
+    known, variance = np.ones((1, 2), dtype=bool), np.array([0.02])
+    mixture = Mixture(0.3, Background(-1.0, 2.0), Factors(0.6, 1.2))
+
+    def normal(x, v):
+        return -0.5 * (x**2 / v + np.log(2 * np.pi * v))
+
+    right = 0.7 * np.exp(normal(y - mean, 0.02).mean())
+    factor = 0.3 * 0.6 * np.exp(normal(y - mean, 0.02 + 1.2**2).mean())
+    broad = 0.98 * np.exp(normal(y + 1.0, 4.0)) + 0.02 * np.exp(normal(y + 1.0, 25.0))
+    elsewhere = 0.3 * 0.4 * np.exp(np.log(broad).mean())
+    verdict = mixture.judge(y, mean, variance, known)
+    total = right + factor + elsewhere
+    assert np.allclose(verdict.log_likelihood, np.log(total))
+    assert np.allclose(verdict.responsibility, right / total)
+    assert np.allclose(verdict.factor, factor / total)
+
+
+def test_the_kind_of_outlier_is_told_by_what_they_follow():
+    rng = np.random.default_rng(3)
+    mean = rng.normal(scale=3.0, size=(600, 1))
+    known, variance = np.ones((600, 1), dtype=bool), np.full(600, 0.01)
+    wrong = rng.random((600, 1)) < 0.5
+    right = mean + 0.1 * rng.normal(size=mean.shape)
+    factors = np.where(wrong, mean + rng.normal(scale=1.2, size=mean.shape), right)
+    elsewhere = np.where(wrong, rng.normal(4.0, 0.5, size=mean.shape), right)
+    shares = []
+    for y in (factors, elsewhere):
+        mixture = Mixture(0.3, Background.of(y, known))
+        for _ in range(20):
+            mixture = mixture.updated(y, mixture.judge(y, mean, variance, known), known)
+        shares.append(mixture.factors.share)
+        assert abs(mixture.share - 0.5) < 0.08
+    assert shares[0] > 0.85
+    assert shares[1] < 0.1

@@ -1,14 +1,17 @@
 """Two components for every row: a measurement with its own noise, or something else.
 
 A row i has residuals e_ic = y_ic - prediction over its known entries c. With probability
-1 - pi it is an *inlier*, e normal of variance V_i; with probability pi an *outlier*, whose
-value knows of no prediction: a normal over the values themselves, as broad as the outliers
-found so far, with a thin floor beneath it.
+1 - pi it is an *inlier*, e normal of variance V_i; with probability pi an *outlier*, of one of
+two kinds. Either its value is the right one times some factor (a gain, an exposure, a shadow):
+a normal around the prediction that is much broader than noise. Or it knows of no prediction:
+a normal over the values themselves, with a thin floor beneath it. Both are as broad as the
+outliers found so far, and so is the share q of the first kind.
 
     ln N_i = mean over c of  -1/2 (e_ic^2 / V_i + ln 2 pi V_i)
+    ln F_i = the same at variance V_i + spread^2
     ln O_i = mean over c of  ln( (1 - t) N(y_ic; centre, breadth^2) + t N(y_ic; centre, 5^2) )
 
-    r_i = (1 - pi) N_i / ((1 - pi) N_i + pi O_i)         the responsibility, or weight
+    r_i = (1 - pi) N_i / ((1 - pi) N_i + pi (q F_i + (1 - q) O_i))     responsibility, or weight
 
 Means over the entries, not sums: entries of a row are wrong together, and thirty bands of
 one direction are not thirty witnesses. Repeating a column changes nothing.
@@ -22,13 +25,15 @@ import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
 
-__all__ = ["Background", "Mixture", "Verdict"]
+__all__ = ["Background", "Factors", "Mixture", "Verdict"]
 
 _LOG_TWO_PI = float(np.log(2.0 * np.pi))
 # Pseudo-counts of the share of outliers, Beta(a, b): 20 samples must not settle on 0 or 1.
 _PRIOR_WRONG, _PRIOR_RIGHT = 0.5, 4.5
 # Outliers imagined beside those found, the least breadth of their values, and t.
 _IMAGINED, _NARROWEST, _FLOOR = 5.0, 0.7, 0.02
+# Imagined outliers of each kind, and the widest spread of a factor, ln.
+_IMAGINED_FACTORS, _WIDEST = 2.0, 2.5
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,28 @@ def _normal(x: FloatArray, width: float) -> FloatArray:
     return np.asarray(np.exp(-0.5 * (x / width) ** 2) / (width * np.sqrt(2.0 * np.pi)) + 1e-30)
 
 
+@dataclass(frozen=True)
+class Factors:
+    """Outliers that are the right value times a factor: their share q, and how wide ln is."""
+
+    share: float = 0.5
+    spread: float = 1.5
+
+    @classmethod
+    def of(cls, wrong: FloatArray, factor: FloatArray, square: FloatArray) -> Factors:
+        """Fit it to rows that are `wrong` (n,), `factor` (n,) of that by a factor.
+
+        `square` (n,) are mean squared residuals. A few imagined outliers stay as `Factors()`.
+        """
+        total, before = float(factor.sum()), cls()
+        share = (total + before.share * _IMAGINED_FACTORS) / (
+            float(wrong.sum()) + _IMAGINED_FACTORS
+        )
+        squares = float((factor * square).sum()) + _IMAGINED_FACTORS * before.spread**2
+        spread = float(np.sqrt(squares / (total + _IMAGINED_FACTORS)))
+        return cls(share, float(np.clip(spread, _NARROWEST, _WIDEST)))
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """What the mixture makes of residuals."""
@@ -74,7 +101,11 @@ class Verdict:
     responsibility: FloatArray
     """r (n,) in [0, 1]; 0 where nothing is known."""
     log_likelihood: FloatArray
-    """ln((1 - pi) N_i + pi O_i) (n,); 0 where nothing is known."""
+    """ln of the density of a row, both components together (n,); 0 where nothing is known."""
+    factor: FloatArray
+    """(n,) in [0, 1]: how likely a row is wrong by a factor; at most 1 - responsibility."""
+    square: FloatArray
+    """Mean of e^2 over the known entries (n,)."""
 
 
 @dataclass(frozen=True)
@@ -83,30 +114,43 @@ class Mixture:
 
     share: float
     background: Background
+    factors: Factors = Factors()
 
     def judge(
         self, y: FloatArray, mean: FloatArray, variance: FloatArray, known: BoolArray
     ) -> Verdict:
         """Judge y (n, c) against predictions `mean` (n, c) of variance (n,), noise included."""
-        residual = np.where(known, y - mean, 0.0)
-        spread = variance[:, None]
-        log_normal = mean_known(
-            -0.5 * (residual * residual / spread + np.log(spread) + _LOG_TWO_PI), known
-        )
-        right = np.log1p(-self.share) + log_normal
-        wrong = np.log(self.share) + self.background.log_density(y, known)
-        total = np.logaddexp(right, wrong)
+        square = mean_known((y - mean) ** 2, known)
+        q = self.factors.share
+        right = np.log1p(-self.share) + _log_normal(square, variance)
+        factor = np.log(self.share * q) + _log_normal(square, variance + self.factors.spread**2)
+        elsewhere = self.background.log_density(y, known) + np.log(self.share * (1.0 - q))
+        total = np.logaddexp(right, np.logaddexp(factor, elsewhere))
         any_known = known.any(axis=1)
         return Verdict(
-            np.where(any_known, np.exp(right - total), 0.0), np.where(any_known, total, 0.0)
+            np.where(any_known, np.exp(right - total), 0.0),
+            np.where(any_known, total, 0.0),
+            np.where(any_known, np.exp(factor - total), 0.0),
+            square,
         )
 
     def updated(self, y: FloatArray, verdict: Verdict, known: BoolArray) -> Mixture:
-        """Return the mixture that fits the responsibilities (n,); its share within (0, 1)."""
-        rows = float(known.any(axis=1).sum())
-        wrong = np.where(known.any(axis=1), 1.0 - verdict.responsibility, 0.0)
+        """Return the mixture that fits the responsibilities (n,); its shares within (0, 1)."""
+        any_known = known.any(axis=1)
+        wrong = np.where(any_known, 1.0 - verdict.responsibility, 0.0)
+        rows = float(any_known.sum())
         share = (float(wrong.sum()) + _PRIOR_WRONG) / (rows + _PRIOR_WRONG + _PRIOR_RIGHT)
-        return Mixture(share, Background.of(y, known, wrong))
+        elsewhere = np.maximum(wrong - verdict.factor, 0.0)
+        return Mixture(
+            share,
+            Background.of(y, known, elsewhere),
+            Factors.of(wrong, verdict.factor, verdict.square),
+        )
+
+
+def _log_normal(square: FloatArray, variance: FloatArray) -> FloatArray:
+    """Return the mean over entries of ln N(e; 0, V) (n,) from the mean of e^2 (n,)."""
+    return np.asarray(-0.5 * (square / variance + np.log(variance) + _LOG_TWO_PI))
 
 
 def mean_known(values: FloatArray, known: BoolArray) -> FloatArray:

@@ -45,7 +45,7 @@ class Posterior:
 
     population: str | Population = "published"
     """Materials to lean on: published, synthetic, embedded, nbrdf, an archive, or a folder."""
-    noise_floor: float = 1e-4
+    noise_floor: float = 1e-5
     """1/sr: absolute noise; far below it a measurement says little."""
     starts: int = 6
     """Members of the population that the search starts from, beside their mean."""

@@ -24,6 +24,8 @@ from brdfit.robust import Background, Mixture
 
 __all__ = ["Design", "Kernel", "Search", "Winner", "explain"]
 
+DEPARTURE = 5.0
+"""Price in ln likelihood of an e-fold of residual amplitude: it decides where samples are few."""
 _LABEL = "posterior"
 
 Angles = tuple[FloatArray, FloatArray, FloatArray]
@@ -44,7 +46,8 @@ class Search:
     kernels: tuple[Kernel, ...]
     starts: int = 6
     first_steps: int = 12
-    second_steps: int = 10
+    screening_steps: int = 3
+    second_steps: int = 8
     last_steps: int = 4
     rows: int = 3000
     """Samples that the search looks at; the rest join in when it is over."""
@@ -155,12 +158,7 @@ def _by_population(
         refine(data, base, features, belief, search.first_steps)
         for belief in starting_beliefs(data, candidates, search.starts)
     ]
-    return max(found, key=_plausibility)
-
-
-def _plausibility(explained: Explanation) -> float:
-    """Left-out likelihood, and how unlikely the coefficients are beforehand."""
-    return explained.score - 0.5 * float((explained.coefficients**2).sum(axis=0).mean())
+    return max(found, key=lambda explained: explained.score)
 
 
 def _closer_weights(
@@ -184,16 +182,27 @@ def _with_residual(
     first: Explanation,
     search: Search,
 ) -> Winner:
-    starts = [first.belief, everybody(data)]
-    best: Winner | None = None
+    beliefs = [first.belief, everybody(data)]
+    tried: list[list[Winner]] = [[] for _ in beliefs]
+    count = len(search.kernels) * len(beliefs)
     for kernel in search.kernels:
         base, features = _features(prior, kernel, design.components, design.angles)
-        for belief in starts:
-            explained = refine(data, base, features, belief, search.second_steps)
-            if best is None or explained.score > best.explanation.score:
-                best = Winner(prior, kernel, explained, len(search.kernels) * len(starts))
-    assert best is not None
-    return best
+        for found, belief in zip(tried, beliefs, strict=True):
+            explained = refine(data, base, features, belief, search.screening_steps)
+            found.append(Winner(prior, kernel, explained, count))
+    # The best kernel of each start has its time: a start that is right may settle more slowly.
+    finished = []
+    for winner in (max(found, key=_merit) for found in tried):
+        base, features = winner.features(design.components, design.angles)
+        belief = winner.explanation.belief
+        explained = refine(data, base, features, belief, search.second_steps)
+        finished.append(replace(winner, explanation=explained))
+    return max(finished, key=_merit)
+
+
+def _merit(winner: Winner) -> float:
+    """Left-out likelihood, less what a material pays for leaving its population."""
+    return winner.explanation.score - DEPARTURE * float(np.log(winner.kernel.amplitude))
 
 
 def everybody(data: Measurements) -> Belief:
