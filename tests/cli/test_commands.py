@@ -257,7 +257,9 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+)
 def test_a_fit_that_is_stopped_while_it_writes_leaves_nothing(
     paint_csv: Path, number: signal.Signals, code: int
 ) -> None:

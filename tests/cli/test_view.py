@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import signal
 import subprocess
@@ -28,24 +29,37 @@ def table_npz(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    ("ending", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
+)
 def test_it_prints_the_address_serves_and_ends_when_asked(
-    table_npz: Path, ending: signal.Signals
+    table_npz: Path, tmp_path: Path, ending: signal.Signals, code: int
 ) -> None:
     words = [sys.executable, "-m", "brdfit", "view", str(table_npz), "--no-browser"]
-    program = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    private = tmp_path / "private"
+    private.mkdir()
+    program = subprocess.Popen(
+        words,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TMPDIR": str(private)},
+    )
     try:
         assert program.stdout is not None
         found = next(filter(None, (re.match(r"http://\S+", line) for line in program.stdout)))
         with urllib.request.urlopen(f"{found[0]}api/home", timeout=20) as answer:
             assert b'"entries":["e1"]' in answer.read()
+        assert len(list(private.iterdir())) == 1
         program.send_signal(ending)
         _, errors = program.communicate(timeout=20)
     finally:
         program.kill()
         program.wait()
     assert "Traceback" not in errors
-    assert program.returncode == (0 if ending == signal.SIGINT else 143)
+    assert program.returncode == code
+    # what was uploaded lay there
+    assert list(private.iterdir()) == []
 
 
 @pytest.mark.parametrize(

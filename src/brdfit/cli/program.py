@@ -5,7 +5,8 @@
 | 0    | done                                                           |
 | 1    | failed: the file, the fit or the machine                       |
 | 2    | wrong usage: an argument or option that cannot mean anything   |
-| 130  | stopped with Ctrl-C (143: by a termination signal)             |
+| 130  | stopped with Ctrl-C (143: by a termination signal; 129: its    |
+|      | terminal was closed)                                           |
 """
 
 from __future__ import annotations
@@ -127,8 +128,8 @@ def _run(words: Sequence[str], console: Console) -> int:
     except KeyboardInterrupt:
         console.fail("stopped; nothing half-written was left behind.")
         return 130
-    except _Terminated:
-        return 143
+    except _Terminated as ended:
+        return ended.code
     except BrdfitError as error:
         return _failed(console, str(error), 2 if isinstance(error, UsageError) else 1)
     except OSError as error:
@@ -162,6 +163,10 @@ def _about_os_error(error: OSError) -> str:
 class _Terminated(BaseException):
     """The process was asked to end: unwind, so that no half-written file stays."""
 
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.code = 128 + number
+
 
 @contextmanager
 def _termination() -> Iterator[None]:
@@ -170,10 +175,17 @@ def _termination() -> Iterator[None]:
         return
 
     def stop(number: int, frame: FrameType | None) -> None:
-        raise _Terminated
+        raise _Terminated(number)
 
-    before = signal.signal(signal.SIGTERM, stop)
+    # the terminal that is closed counts, unless somebody saw to it that it does not (nohup)
+    asked = [getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP")]
+    before = {
+        one: signal.signal(one, stop)
+        for one in asked
+        if one is not None and signal.getsignal(one) is not signal.SIG_IGN
+    }
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for one, handler in before.items():
+            signal.signal(one, handler)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 import socket
 import threading
 from collections.abc import Iterator
+from types import FrameType
 
 import uvicorn
 
@@ -46,11 +48,40 @@ class Server:
         return f"http://{_ADDRESS}:{self.port}/{self.token}/"
 
     def run(self) -> None:
-        """Serve until Ctrl-C, a termination signal, or `stop`."""
+        """Serve until Ctrl-C, a termination signal, `stop`, or the terminal is closed."""
         try:
-            self._server.run(sockets=[self._socket])
+            with self._hanging_up():
+                self._server.run(sockets=[self._socket])
         finally:
             self.close()
+
+    @contextlib.contextmanager
+    def _hanging_up(self) -> Iterator[None]:
+        """End on SIGHUP too, then let it do what it would have done, as uvicorn does for others.
+
+        An exception out of a handler of signals may be lost in the loop of events.
+        """
+        hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
+        if (
+            hang_up is None
+            or threading.current_thread() is not threading.main_thread()
+            or signal.getsignal(hang_up) is signal.SIG_IGN
+        ):
+            yield
+            return
+        heard: list[int] = []
+
+        def stop(number: int, frame: FrameType | None) -> None:
+            heard.append(number)
+            self.stop()
+
+        before = signal.signal(hang_up, stop)
+        try:
+            yield
+        finally:
+            signal.signal(hang_up, before)
+        if heard:
+            signal.raise_signal(hang_up)
 
     def close(self) -> None:
         """Let go of the port."""
