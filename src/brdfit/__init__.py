@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from brdfit.display import draw_with as _draw_with
 
 if TYPE_CHECKING:
+    from brdfit.batch import open_batch as open_batch
     from brdfit.errors import BrdfitError as BrdfitError
     from brdfit.formats import list_formats as list_formats
     from brdfit.formats import read_samples as read_samples
@@ -59,6 +60,7 @@ _HOME = {
     "directions_from_spherical": "geometry",
     "fit": "reconstruct",
     "list_formats": "formats",
+    "open_batch": "batch",
     "population": "populations",
     "read_samples": "formats",
     "read_table": "formats",

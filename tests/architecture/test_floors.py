@@ -19,7 +19,7 @@ FLOORS = [
     ["formats"],
     ["populations", "robust", "linalg", "transform", "metrics", "render", "physics"],
     ["reconstruct"],
-    ["report", "export", "mitsuba", "bench"],
+    ["batch", "report", "export", "mitsuba", "bench"],
     ["viewer", "cli", "__main__"],
 ]
 FLOOR = {unit: floor for floor, units in enumerate(FLOORS) for unit in units}

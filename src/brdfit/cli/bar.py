@@ -29,7 +29,10 @@ class Bar:
         stream: TextIO,
         delay: float = _DELAY,
         clock: Callable[[], float] = time.monotonic,
+        unit: str = "",
     ) -> None:
+        self._unit = unit
+        self._rate = Rate(clock)
         self._stream = stream
         self._delay = delay
         self._clock = clock
@@ -45,6 +48,8 @@ class Bar:
         """Take note of `done` of `total` steps of the work called `label`."""
         with self._lock:
             self._now = (label, done, total)
+            if label == self._unit:
+                self._rate.note(done)
             if self._begun is None:
                 self._begun = self._clock()
                 self._timer = threading.Timer(self._delay, self._draw)
@@ -86,8 +91,9 @@ class Bar:
             return
         self._last_line = now
         share = f"{100 * done // total} %" if total else f"{done}"
+        rate = f", {self._rate.words(total)}" if label == self._unit else ""
         try:
-            self._stream.write(f"brdfit: {label}: {share} ({now - self._begun:.0f} s)\n")
+            self._stream.write(f"brdfit: {label}: {share} ({now - self._begun:.0f} s{rate})\n")
             self._stream.flush()
         except (BrokenPipeError, ValueError):
             # Nobody listens any more: the work matters, the talk does not.
@@ -101,7 +107,36 @@ class Bar:
             for task in self._tasks.values():
                 self._rich.update(task, visible=False)
             self._tasks[label] = self._rich.add_task(label, total=None)
-        self._rich.update(self._tasks[label], completed=done, total=total or None, visible=True)
+        shown = f"{label}, {self._rate.words(total)}" if label == self._unit else label
+        self._rich.update(
+            self._tasks[label],
+            completed=done,
+            total=total or None,
+            visible=True,
+            description=shown,
+        )
+
+
+class Rate:
+    """How many there are a second, of those that were done while it was watched."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._first: tuple[float, int] | None = None
+        self._last = (0.0, 0)
+
+    def note(self, done: int) -> None:
+        """Take note of how many are done now."""
+        self._last = (self._clock(), done)
+        self._first = self._first or self._last
+
+    def words(self, total: int) -> str:
+        """Return the rate and the time that the rest of `total` will take."""
+        if self._first is None or self._last[1] <= self._first[1]:
+            return "0 a second"
+        seconds = max(self._last[0] - self._first[0], 1e-9)
+        rate = (self._last[1] - self._first[1]) / seconds
+        return f"{rate:,.0f} a second, {max(total - self._last[1], 0) / rate:.0f} s left"
 
 
 def _rich_progress(stream: TextIO) -> RichProgress:

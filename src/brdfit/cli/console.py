@@ -64,12 +64,15 @@ class Console:
         self._error_line(f"brdfit: error: {text}")
 
     @contextmanager
-    def progress(self) -> Iterator[Progress]:
-        """Give a `Progress` that draws a bar if the work lasts over a second and may talk."""
+    def progress(self, unit: str = "") -> Iterator[Progress]:
+        """Give a `Progress` that draws a bar if the work lasts over a second and may talk.
+
+        With a `unit` the work called so tells how many a second there are, too.
+        """
         if self.quiet:
             yield silent
             return
-        bar = Bar(self.err)
+        bar = Bar(self.err, unit=unit)
         self._bar = bar
         try:
             yield bar

@@ -36,6 +36,7 @@ _EPILOG = """exit codes: 0 done, 1 failed, 2 wrong usage, 130 stopped with Ctrl-
 
 COMMANDS = {
     "fit": "Fit measurements: write the complete BRDF, a picture, a record and the samples.",
+    "batch": "Fit very many items: archives, textures; a run that was stopped goes on.",
     "info": "Say what is in a file of measurements or a table.",
     "convert": "Read a file in one format, write it in another.",
     "export": "Fit the material parameters of a renderer to a table (MaterialX, glTF).",

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from brdfit.errors import BrdfitError
+from brdfit.errors import BrdfitError, UsageError
 
 if TYPE_CHECKING:
     from brdfit.samples import Samples
     from brdfit.table import Table
 
-__all__ = ["Kind", "read_any"]
+__all__ = ["Kind", "read_any", "read_table_of"]
 
 Kind = Literal["samples", "table"]
 
@@ -20,8 +20,12 @@ Kind = Literal["samples", "table"]
 def read_any(path: Path, options: dict[str, Any], first: Kind) -> Samples | Table:
     """Return what `path` holds; `first` wins where it can be read as both.
 
-    If neither can be read the error of the kind that its format has is raised.
+    STORE.zarr#NAME is the table of an item of a batch. If neither can be read the error of the
+    kind that its format has is raised.
     """
+    of_batch = _item_of_batch(path)
+    if of_batch is not None:
+        return of_batch
     from brdfit.formats import read_samples, read_table
 
     readers: dict[Kind, Callable[..., Samples | Table]] = {
@@ -38,6 +42,28 @@ def read_any(path: Path, options: dict[str, Any], first: Kind) -> Samples | Tabl
             error = error or problem
     assert error is not None
     raise error
+
+
+def read_table_of(path: Path, **options: Any) -> Table:
+    """Return the table of a file, or of an item of a batch (STORE.zarr#NAME)."""
+    from brdfit.formats import read_table
+
+    found = _item_of_batch(path)
+    return read_table(path, **options) if found is None else found
+
+
+def _item_of_batch(path: Path) -> Table | None:
+    store, mark, item = str(path).partition(".zarr#")
+    folder = Path(f"{store}.zarr")
+    if not mark and path.suffix == ".zarr" and path.is_dir():
+        raise UsageError(
+            f"{path}: holds many items; name one of them: {path}#NAME, or {path}#0 for the first."
+        )
+    if not mark or not folder.is_dir():
+        return None
+    from brdfit.batch import open_batch
+
+    return open_batch(folder)[item].table()
 
 
 def _offers(path: Path, format: str | None, kind: Kind) -> bool:

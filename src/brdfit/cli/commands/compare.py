@@ -46,12 +46,11 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read both, compare, print."""
-    from brdfit.formats import read_table
     from brdfit.report.compare import compare
-    from brdfit.report.reading import read_any
+    from brdfit.report.reading import read_any, read_table_of
 
     reference = read_any(arguments.reference, reading_options(arguments), arguments.kind)
-    test = read_table(arguments.test)
+    test = read_table_of(arguments.test)
     with console.progress() as progress:
         comparison = compare(
             reference,

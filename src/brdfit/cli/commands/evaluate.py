@@ -41,7 +41,8 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read the table and the directions, write the values."""
     import numpy as np
 
-    from brdfit.formats import read_table, write_samples
+    from brdfit.formats import write_samples
+    from brdfit.report.reading import read_table_of
     from brdfit.samples import Samples, Source
 
     output = arguments.output
@@ -49,7 +50,7 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
         if output.resolve() == taken.resolve():
             raise UsageError(f"{output}: is an input; the output must be another file.")
     at = _read_directions(arguments.at, reading_options(arguments))
-    table = read_table(arguments.file)
+    table = read_table_of(arguments.file)
     defined = (at.wi[:, 2] > 0.0) & (at.wo[:, 2] > 0.0)
     value = np.full((len(at), table.n_channels), np.nan)
     value[defined] = table.evaluate(at.wi[defined], at.wo[defined])

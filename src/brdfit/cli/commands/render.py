@@ -145,10 +145,10 @@ def _shader(
 
 
 def _table(file: Path, arguments: argparse.Namespace, console: Console) -> Table:
-    from brdfit.formats import read_table
+    from brdfit.report.reading import read_table_of
     from brdfit.report.rgb import rgb_table
 
-    rgb, conversion = rgb_table(read_table(file, **reading_options(arguments)))
+    rgb, conversion = rgb_table(read_table_of(file, **reading_options(arguments)))
     if conversion.kind != "none":
         console.say(f"  {file.name}: {conversion}")
     return rgb

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from brdfit.arrays import FloatArray, IntArray
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.populations import Population, remember
+from brdfit.populations.store import stored_cells
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.correction_basis import training_cells
 from brdfit.reconstruct.members import MemberRows
@@ -38,7 +39,7 @@ __all__ = ["BRIGHTNESS", "LeadingBasis", "leading_basis"]
 BRIGHTNESS = 2.0
 """tau: standard deviation of the unknown scale, in ln f_r."""
 # Raise it when the table of the same population would change.
-_VERSION = 1
+_VERSION = 2
 # Where the components are kept: as fine as the MERL grid along theta_h, where lobes are narrow.
 _GRID = Grid(90, 45, 36)
 _RESIDUAL = Scale(0.2, 0.3, 600)
@@ -50,13 +51,11 @@ _LABEL = "leading components"
 class LeadingBasis:
     """[mean | B] at the cells of a grid, and what population they come from."""
 
-    rows: FloatArray
+    rows: FloatArray = field(repr=False)
     """(m, 1 + k), float32: one row for each of `grid.cells`."""
     grid: Grid
     population: dict[str, object]
     """What identifies the population, as JSON-able values."""
-    spread: FloatArray
-    """(1 + k, 1 + k): mean of phi phi^T over the cells, phi = [tau | B]."""
 
     @property
     def size(self) -> int:
@@ -100,6 +99,16 @@ class LeadingBasis:
             yield at, self._row_of[index], weight.astype(np.float32)
 
     @cached_property
+    def spread(self) -> FloatArray:
+        """(1 + k, 1 + k): mean of phi phi^T over the cells, phi = [tau | B]."""
+        total = np.zeros((self.size, self.size))
+        for start in range(0, len(self.rows), _CHUNK):
+            phi = self.rows[start : start + _CHUNK].astype(np.float64)
+            phi[:, 0] = BRIGHTNESS
+            total += phi.T @ phi
+        return np.asarray(total / len(self.rows))
+
+    @cached_property
     def _blank(self) -> Table:
         """An empty table, which knows the cells that exist."""
         return Table(values=np.zeros((*self.grid.shape, 1), dtype=np.float32), grid=self.grid)
@@ -113,7 +122,7 @@ class LeadingBasis:
 
     def __getstate__(self) -> dict[str, object]:
         """Leave what is worked out again out of what travels to a worker."""
-        kept = ("rows", "grid", "population", "spread")
+        kept = ("rows", "grid", "population")
         return {name: self.__dict__[name] for name in kept}
 
 
@@ -122,56 +131,76 @@ def leading_basis(
     components: int,
     amplitude: float,
     progress: Progress = silent,
-    grid: Grid = _GRID,
+    grid: Grid | None = None,
 ) -> LeadingBasis:
     """Return the `components` leading components of a population and a residual of `amplitude`.
 
     Built once for each population, selection and setting, and kept in the user's cache.
     """
+    grid = _GRID if grid is None else grid
 
     def build() -> dict[str, FloatArray]:
         columns = _Columns(population, amplitude)
         vectors = columns.leading(MERL_GRID, training_cells(MERL_GRID), components)
-        rows = np.empty((grid.cells.size, 1 + components), dtype=np.float32)
-        for start in range(0, len(rows), _CHUNK):
-            progress(_LABEL, start, len(rows))
-            mean, x = columns.at(grid, grid.cells[start : start + _CHUNK])
-            rows[start : start + _CHUNK] = np.column_stack([mean, x @ vectors])
-        progress(_LABEL, len(rows), len(rows))
-        return {"rows": rows}
+        return {"rows": columns.combined(grid, vectors, progress)}
 
     selected = [list(population.selected), population.weights.tolist()]
     settings = [components, amplitude, grid.shape, _VERSION]
     key = json.dumps([population.fingerprint, selected, settings])
     rows = remember("leading-components", key, build)["rows"]
-    phi = np.column_stack([np.full(len(rows), BRIGHTNESS), rows[:, 1:].astype(np.float64)])
-    spread = phi.T @ phi / len(phi)
-    return LeadingBasis(rows, grid, dict(population_record(population)), spread)
+    return LeadingBasis(rows, grid, dict(population_record(population)))
 
 
 @dataclass(frozen=True, eq=False)
 class _Columns:
-    """X, and the mean of the columns, at cells of a grid."""
+    """The columns of X at cells of a grid: members, then functions of the residual."""
 
     population: Population
     amplitude: float
-
-    def at(self, grid: Grid, cells: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return (mean (n,), X (n, columns))."""
-        members = MemberRows.at(self.population, *grid.directions(cells))
-        logs = np.concatenate(members.logs, axis=1).astype(np.float64)
-        channels = len(self.population.channels)
-        weights = np.tile(self.population.weights / channels, channels)
-        mean = logs @ weights
-        local = LocalResidual.of(_RESIDUAL).at(grid.half_diff(cells))
-        spread = (logs - mean[:, None]) * np.sqrt(weights)
-        return mean, np.hstack([spread, self.amplitude * local])
 
     def leading(self, grid: Grid, cells: IntArray, count: int) -> FloatArray:
         """Return V (columns, count), that of most variance first."""
         gram: FloatArray | float = 0.0
         for start in range(0, len(cells), _CHUNK):
-            _, x = self.at(grid, cells[start : start + _CHUNK])
+            at = cells[start : start + _CHUNK]
+            x = np.hstack([self._members(grid, at)[1], self._local(grid, at)])
             gram = gram + x.T @ x
         _, vectors = np.linalg.eigh(gram)
         return np.ascontiguousarray(vectors[:, ::-1][:, :count])
+
+    def combined(self, grid: Grid, vectors: FloatArray, progress: Progress) -> FloatArray:
+        """Return [mean | X V] (cells, 1 + count), float32, at the cells of a grid.
+
+        Where the population tells no phi_d from pi - phi_d, its members are asked at one of
+        the two.
+        """
+        cells, expand = stored_cells(grid, self.population.source.bilateral)
+        columns = len(vectors) - LocalResidual.of(_RESIDUAL).size
+        of_members, of_local = vectors[:columns].astype(np.float32), vectors[columns:]
+        stored = np.empty((len(cells), 1 + vectors.shape[1]), dtype=np.float32)
+        for start in range(0, len(stored), _CHUNK):
+            progress(_LABEL, start, len(stored))
+            mean, x = self._members(grid, cells[start : start + _CHUNK])
+            at = slice(start, start + _CHUNK)
+            stored[at] = np.column_stack([mean, x.astype(np.float32) @ of_members])
+        rows = stored[expand]
+        for start in range(0, len(rows), _CHUNK):
+            at = slice(start, start + _CHUNK)
+            rows[at, 1:] += self._local(grid, grid.cells[at]) @ of_local
+        progress(_LABEL, len(stored), len(stored))
+        return rows
+
+    def _members(self, grid: Grid, cells: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return (mean (n,), weighted deviations of the columns (n, columns))."""
+        members = MemberRows.at(self.population, *grid.directions(cells))
+        logs = np.concatenate(members.logs, axis=1).astype(np.float64)
+        channels = len(self.population.channels)
+        weights = np.tile(self.population.weights / channels, channels)
+        mean = logs @ weights
+        logs -= mean[:, None]
+        logs *= np.sqrt(weights)
+        return mean, logs
+
+    def _local(self, grid: Grid, cells: IntArray) -> FloatArray:
+        """Return a psi (n, size)."""
+        return self.amplitude * LocalResidual.of(_RESIDUAL).at(grid.half_diff(cells))

@@ -21,7 +21,7 @@ from brdfit.samples import Samples
 
 __all__ = ["Block", "Problem", "problems"]
 
-# Items solved side by side: their matrices stay in the processor's cache.
+# Items of 64 samples solved side by side: their matrices stay in the processor's cache.
 _AT_ONCE = 256
 _NARROWEST, _FLOOR = 0.7, 0.02
 
@@ -138,14 +138,24 @@ def problems(block: Block, basis: LeadingBasis, floor: float) -> Iterator[Proble
         if shared is None:  # neighbours of alike length are filled up least
             length = block.per_item(block.used)
             kind = kind[np.argsort(length[kind], kind="stable")]
-        for start in range(0, kind.size, _AT_ONCE):
-            index = kind[start : start + _AT_ONCE]
+        if not kind.size:
+            continue
+        grouped = not partial[kind[0]]
+        at_once = _at_once(block, grouped)
+        for start in range(0, kind.size, at_once):
+            index = kind[start : start + at_once]
             rows = _rows(block, index, shared)
             at = design or _design(block.samples, rows, basis)
-            grouped = not partial[index[0]]
             items = values.items(rows, *at, basis, grouped)
             known = items.known.max(axis=(1, 2)) > 0.0
             yield Problem(index, rows, items, items.scatter, known)
+
+
+def _at_once(block: Block, grouped: bool) -> int:
+    """Return how many items are solved side by side: fewer where each takes more room."""
+    longest = int(np.diff(block.starts).max(initial=1))
+    systems = 1 if grouped else block.samples.n_channels
+    return max(1, int(_AT_ONCE / max(systems, longest / 64)))
 
 
 def _rows(block: Block, index: IntArray, shared: IntArray | None) -> IntArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -25,9 +25,9 @@ class CompactModel:
     """ln f_r = mean + phi z; `posterior` is known to a fit, not to a store of many."""
 
     basis: LeadingBasis
-    coefficients: FloatArray
+    coefficients: FloatArray = field(repr=False)
     """(1 + k, channels)"""
-    posterior: CoefficientPosterior | None = None
+    posterior: CoefficientPosterior | None = field(default=None, repr=False)
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (n, c), 1/sr, at directions above the horizon."""
