@@ -16,8 +16,9 @@ agreement       mean CIEDE2000 between the middle of the sphere on the page and 
 frames          pictures a second while the pointer drags the light, without a graphics card
 report          size of the report of the same fit, made from its files
 
-The page of tables goes beside the result. Times depend on the machine, and on what else runs
-there: its load stands beside them.
+The page of tables goes beside the result. Before each opening the script waits, for at most
+half a minute, until others leave the machine alone for half a second; how many cores they kept
+busy then stands beside the seconds.
 """
 
 from __future__ import annotations
@@ -150,6 +151,7 @@ def opened(path: Path, browser: Any) -> Record:
     context = browser.new_context(viewport={"width": 1280, "height": 900})
     tab = context.new_page()
     words = [sys.executable, "-m", "brdfit", "view", str(path), "--no-browser"]
+    busy = quiet_moment()
     begun = time.time()
     program = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     try:
@@ -161,6 +163,7 @@ def opened(path: Path, browser: Any) -> Record:
         tab.wait_for_selector("#stage canvas[data-settled]", timeout=60_000)
         settled = time.time()
         return {
+            "cores_busy_before": busy,
             "megabytes_of_file": figure(path.stat().st_size / 1e6, 4),
             "from_command": figure(times["origin"] + times["presented"] - begun, 3),
             "from_navigation": figure(times["presented"], 3),
@@ -172,6 +175,32 @@ def opened(path: Path, browser: Any) -> Record:
         program.terminate()
         program.wait()
         context.close()
+
+
+def quiet_moment(patience: float = 30.0) -> float | None:
+    """Wait until others leave the machine alone; return how many cores they kept busy at last.
+
+    None, at once, where the system does not say (/proc/stat).
+    """
+    end = time.monotonic() + patience
+    while True:
+        before = _busy_seconds()
+        if before is None:
+            return None
+        time.sleep(0.5)
+        busy = ((_busy_seconds() or before) - before) / 0.5
+        if busy < 0.2 or time.monotonic() > end:
+            return figure(busy, 2)
+
+
+def _busy_seconds() -> float | None:
+    try:
+        first = Path("/proc/stat").read_text(encoding="ascii").splitlines()[0].split()[1:]
+    except OSError:
+        return None
+    # user, nice, system, idle, iowait, ...
+    ticks = [int(one) for one in first]
+    return (sum(ticks[:8]) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")
 
 
 def agreement(brdf: brdfit.Table, browser: Any) -> dict[str, float | None]:
@@ -258,6 +287,7 @@ def _openings(openings: dict[str, list[Record]]) -> str:
         Column("settled, from the command", number=True),
         Column("table, MB", number=True),
         Column("all, MB", number=True),
+        Column("cores busy before", number=True),
     ]
     rows = []
     for name, runs in openings.items():
@@ -268,14 +298,18 @@ def _openings(openings: dict[str, list[Record]]) -> str:
                 f"{name} ({runs[0]['megabytes_of_file']:.0f} MB)",
                 *(_spread([run[key] for run in runs]) for key in times),
                 *(cell(size, digits=2) for size in sizes),
+                _spread([run["cores_busy_before"] for run in runs]),
             ]
         )
     return table(columns, rows)
 
 
-def _spread(seconds: list[float]) -> str:
-    middle = statistics.median(seconds)
-    return f"{middle:.2f} ({min(seconds):.2f} to {max(seconds):.2f})"
+def _spread(found: list[float | None]) -> str:
+    """Return the median, least and most; a dash where something is not known."""
+    known = [one for one in found if one is not None]
+    if len(known) < len(found):
+        return "-"
+    return f"{statistics.median(known):.2f} ({min(known):.2f} to {max(known):.2f})"
 
 
 def _lights(agreement: Record, frames: Record) -> str:

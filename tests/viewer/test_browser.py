@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 import brdfit
+from brdfit.grid import Grid
 from brdfit.reconstruct import Reconstruction
-from brdfit.render import Sphere, area_studio, point, studio
+from brdfit.render import MaterialBall, Sphere, area_studio, point, studio
 from brdfit.report.compare import compare
 from brdfit.report.rgb import rgb_table
 from brdfit.viewer.serve import Server
@@ -88,6 +89,24 @@ def test_the_sphere_is_the_one_that_brdfit_renders(
     difference = shown_difference(shown, sphere.shade(rgb, lights), sphere)
     print(f"mean CIEDE2000 under {light}: {difference:.3f}")  # shown by pytest -rP
     assert difference < 2.0
+
+
+def test_the_material_ball_is_the_one_that_brdfit_renders(
+    open_tab: Any, bench: Workbench, lobe: Reconstruction
+) -> None:
+    table = lobe.table(Grid(60, 60, 36))
+    bench.open(table)
+    tab = open_tab(viewport={"width": 900, "height": 480})
+    tab.settle()
+    tab.page.get_by_label("Shape").select_option("ball")
+    tab.page.get_by_label("Light", exact=True).select_option("point")
+    tab.page.wait_for_timeout(300)
+    tab.settle()
+    shown = sphere_of(tab)
+    ball = MaterialBall(shown.shape[0])
+    found = shown_difference(shown, ball.shade(table, point()), ball)
+    print(f"mean CIEDE2000 of the ball: {found:.3f}")
+    assert found < 2.0
 
 
 @pytest.mark.usefixtures("full_tables")

@@ -12,6 +12,7 @@ here, and no display: see `brdfit.tone` for exposure and the sRGB curve.
 from __future__ import annotations
 
 from brdfit.albedo import Evaluable
+from brdfit.render.ball import MaterialBall
 from brdfit.render.environment import Environment
 from brdfit.render.illumination import (
     ILLUMINATIONS,
@@ -41,6 +42,7 @@ __all__ = [
     "ForDisplay",
     "Illumination",
     "IncidenceSlices",
+    "MaterialBall",
     "Queries",
     "Rectangle",
     "Sphere",

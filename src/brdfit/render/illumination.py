@@ -11,14 +11,22 @@ since pictures are exposed before they are looked at.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from brdfit.arrays import FloatArray, frozen, normalize
 from brdfit.errors import UsageError
 
-__all__ = ["ILLUMINATIONS", "Illumination", "Rectangle", "area_studio", "point", "studio"]
+__all__ = [
+    "ILLUMINATIONS",
+    "Illumination",
+    "Rectangle",
+    "area_studio",
+    "point",
+    "rotation",
+    "studio",
+]
 
 _GOLDEN_ANGLE = 2.399963
 _STUDIO_LIGHTS = 40
@@ -54,6 +62,16 @@ class Illumination:
 
     def __len__(self) -> int:
         return len(self.direction)
+
+    def turned(self, yaw: float, pitch: float = 0.0) -> Illumination:
+        """Return the lights turned about the vertical, then toward the viewer, radians."""
+        return replace(self, direction=self.direction @ rotation(yaw, pitch).T)
+
+
+def rotation(yaw: float, pitch: float) -> FloatArray:
+    """Return the matrix (3, 3) that turns by `yaw` about y, then by `pitch` about x, radians."""
+    (cy, sy), (cp, sp) = ((np.cos(angle), np.sin(angle)) for angle in (yaw, pitch))
+    return np.array([[cy, 0.0, sy], [sp * sy, cp, -sp * cy], [-cp * sy, sp, cp * cy]])
 
 
 def studio() -> Illumination:
