@@ -246,7 +246,8 @@ def network_file(seed: int = 5, shapes: Sequence[tuple[int, int]] = NETWORK_SHAP
     import h5py
 
     rng, made = np.random.default_rng(seed), io.BytesIO()
-    with h5py.File(made, "w") as file:
+    # the latest layout is half the size of Keras' own
+    with h5py.File(made, "w", libver="latest") as file:
         for layer, shape in enumerate(shapes, start=1):
             group = file.create_group(f"dense_{layer}/dense_{layer}")
             group["kernel:0"] = rng.normal(0.0, 0.4, shape).astype("f4")
@@ -260,7 +261,7 @@ def _nbrdf() -> SmallFile:
 
 def _nbrdf_archive() -> SmallFile:
     made = io.BytesIO()
-    with zipfile.ZipFile(made, "w") as archive:
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("any/walnut.h5", network_file(6))
     return SmallFile("nbrdf", "table", "a.zip", {"a.zip": made.getvalue()}, share=0.2)
 
@@ -280,8 +281,9 @@ def _utia() -> SmallFile:
 
 
 def _astm_degrees() -> SmallFile:
-    rows = "".join(f"{k},0.0,{k},180,0.5,0.01,{k}.25,0.02\n" for k in range(10, 22))
-    header = "SAMPLE_NAME B\nNUM_POINTS 12\nVARS theta_i,phi_i,theta_s,phi_s,R,sigma_R,G,sigma_G"
+    rows = "".join(f"{k},0.0,{k},180,.5,.01,{k}.25,.02,.3,.1\n" for k in range(10, 22))
+    names = "R,sigma_R,G,sigma_G,B,sigma_B"
+    header = f"SAMPLE_NAME B\nNUM_POINTS 12\nVARS theta_i,phi_i,theta_s,phi_s,{names}"
     return _text("astm", "d.astm", f"{header}\n\n{rows}", angles="degrees")
 
 
