@@ -149,7 +149,7 @@ def test_info_of_a_table(run: Run, grey_table: Path) -> None:
     code, out, _ = run("info", grey_table)
     assert code == 0
     assert "90 x 90 x 180" in out
-    assert f"{MERL_GRID.cells.size} valid, 0 missing" in out
+    assert f"{MERL_GRID.cells.size:,} valid, 0 missing" in out
     record = json.loads(run("info", grey_table, "--json")[1])
     assert record["ranges"]["G"]["median"] == pytest.approx(0.5 / np.pi)
 

@@ -177,3 +177,16 @@ def test_why_samples_cannot_be_used_is_counted():
     down = np.where(np.arange(12)[:, None] < 3, -w, w)
     finding = examine(Samples(wi=w, wo=down, value=np.ones((12, 1))))["cells"]
     assert "of 12 samples 3 cannot be used (3 below horizon): in all 25.0%" in finding.sentence
+
+
+def test_an_anisotropic_sample_is_named_where_exchanged_values_disagree():
+    rng = np.random.default_rng(5)
+    theta = rng.uniform(0.2, 1.2, (2, 60))
+    wi, wo = directions_from_spherical(theta, rng.uniform(0.0, 6.0, (2, 60)))
+    turn = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    # exchanged, and the sample turned by a right angle: brighter along its grain
+    value = np.concatenate([np.full(60, 0.2), np.full(60, 0.5)])[:, None]
+    samples = Samples(wi=np.vstack([wi, wo @ turn]), wo=np.vstack([wo, wi @ turn]), value=value)
+    finding = examine(samples)["reciprocity"]
+    assert finding.verdict is Verdict.WRONG
+    assert "anisotropic" in finding.sentence

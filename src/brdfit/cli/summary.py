@@ -33,8 +33,8 @@ def samples_lines(samples: Samples) -> list[str]:
     """Return what a person wants to know of measurements before they are used."""
     usable = int(samples.usable.any(axis=1).sum())
     lines = [
-        f"{samples.source.name}: {len(samples)} samples, {channels_in_words(samples.channels)}, "
-        f"{usable} usable",
+        f"{samples.source.name}: {len(samples):,} samples, {channels_in_words(samples.channels)}, "
+        f"{usable:,} usable",
         f"  format      {samples.source.format}",
     ]
     if samples.source.convention:
@@ -74,8 +74,8 @@ def table_lines(table: Table) -> list[str]:
     if table.source.convention:
         lines.append(f"  convention  {table.source.convention}")
     lines.append(
-        f"  cells       {record['valid']} valid, {record['missing']} missing above the horizon, "
-        f"{record['below_horizon']} below it"
+        f"  cells       {record['valid']:,} valid, {record['missing']:,} missing above the "
+        f"horizon, {record['below_horizon']:,} below it"
     )
     for name, figures in list(record["ranges"].items())[:_ROWS_SHOWN]:
         if figures is not None:
@@ -112,7 +112,7 @@ def _flag_lines(samples: Samples) -> list[str]:
     for name, count in samples.flag_counts().items():
         chosen = (samples.bits & int(Flag[name.upper()])) != 0
         what = _MEANING.get(name, "")
-        lines.append(f"{count} {name} ({what}): {first_rows(samples, chosen)}")
+        lines.append(f"{count:,} {name} ({what}): {first_rows(samples, chosen)}")
     return lines
 
 

@@ -102,8 +102,8 @@ def reciprocity_finding(difference: FloatArray, within: float) -> Finding:
     verdict = graded(figure, _RECIPROCITY)
     meaning = {
         Verdict.GOOD: "as alike as measurements are",
-        Verdict.LOOK: "more than noise: look for drift, or an unwanted cosine",
-        Verdict.WRONG: "the values are not f_r, or one direction is misread",
+        Verdict.LOOK: "more than noise: look for drift, an unwanted cosine, an anisotropic sample",
+        Verdict.WRONG: "the values are not f_r, a direction is misread, or it is anisotropic",
     }[verdict]
     sentence = (
         f"light and detector exchanged change the value by {_percent(figure)} (median of "
