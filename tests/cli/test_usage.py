@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from brdfit.cli.program import COMMANDS
+from brdfit.formats import list_formats
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -122,3 +123,17 @@ def test_an_option_that_the_format_does_not_know_is_named(run: Run, paint_csv: P
     code, _, err = run("info", paint_csv, "--option", "delimeter=;")
     assert code == 2
     assert "delimiter" in err
+
+
+def test_the_help_of_to_names_the_formats_that_share_a_suffix(run: Run) -> None:
+    text = " ".join(run("convert", "--help")[1].split())
+    writers = [s for s in list_formats() if s.write_table or s.write_samples]
+    suffixes = {suffix for sheet in writers for suffix in sheet.extensions}
+    shared = 0
+    for suffix in suffixes:
+        first, *others = [s.name for s in writers if suffix in s.extensions]
+        if others:
+            shared += 1
+            assert f"{first} (default)" in text
+            assert f"{' or '.join(others)} for {suffix}" in text
+    assert shared >= 2

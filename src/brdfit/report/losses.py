@@ -249,7 +249,7 @@ def _values(before: FloatArray, after: FloatArray, averages: bool = False) -> It
             f"same directions by {median:.1%} (median), {p95:.1%} (95th percentile)"
         )
     elif largest > 0.0:
-        said = f"a value changed by at most {largest:.1e} of itself"
+        said = f"a value changed by at most {largest:.1e} of itself (median {median:.1e})"
     else:
         said = "every bit kept"
     yield Loss("precision", largest > _ROUNDING, said, figures)
