@@ -1,11 +1,12 @@
 """A small batch: a population of ten members, and a long table of items mixed from others.
 
-Also a program, for the tests that kill it: python small_batch.py TABLE STORE [WORKERS]
+Also a program, for the tests that kill it: python small_batch.py TABLE STORE [WORKERS | dask]
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -99,9 +100,29 @@ def content(store):
 
 def main() -> None:
     table, store = sys.argv[1:3]
-    workers = int(sys.argv[3]) if len(sys.argv) > 3 else 1
-    engine = Here() if workers == 1 else Processes(workers)
+    workers = sys.argv[3] if len(sys.argv) > 3 else "1"
+    if workers == "dask":
+        run_on_dask_and_kill_a_worker(table, store)
+        return
+    engine = Here() if workers == "1" else Processes(int(workers))
     run_batch(open_input(table), store, method(), engine=engine, block=BLOCK)
+
+
+def run_on_dask_and_kill_a_worker(table, store) -> None:
+    """Run with two workers of Dask, the first of which is killed after three blocks."""
+    from brdfit.batch.cluster import Cluster
+
+    with Cluster(workers=2) as engine:
+        workers = engine.client.run(os.getpid)
+        told = []
+
+        def kill_once(result):
+            told.append(result.start)
+            if len(told) == 3:
+                os.kill(next(iter(workers.values())), signal.SIGKILL)
+
+        run_batch(open_input(table), store, method(), engine=engine, block=BLOCK, told=kill_once)
+        print(len(told), len(set(told)))
 
 
 if __name__ == "__main__":

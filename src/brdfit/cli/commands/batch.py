@@ -6,7 +6,8 @@ import argparse
 import os
 import re
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -74,6 +75,12 @@ def _add_running(parser: Parser) -> None:
         help="Processes that fit (default: one for each core).",
     )
     group.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Address of a Dask scheduler whose workers fit in place of processes of this machine, "
+        "such as tcp://10.0.0.1:8786; local starts workers here.",
+    )
+    group.add_argument(
         "--memory",
         type=_bytes,
         default=_bytes("1GB"),
@@ -94,12 +101,12 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     _say_input(source, console)
     workers = arguments.workers or len(os.sched_getaffinity(0))
     started = time.perf_counter()
-    with console.progress(unit="items") as progress:
+    with console.progress(unit="items") as progress, _engine(arguments, workers) as engine:
         summary = run_batch(
             source,
             arguments.output,
             _method(arguments),
-            engine=_engine(workers),
+            engine=engine,
             workers=workers,
             memory=arguments.memory,
             restart=arguments.restart,
@@ -114,10 +121,18 @@ def _method(arguments: argparse.Namespace) -> Compact:
     return Compact(population=arguments.basis, **given_settings(arguments))
 
 
-def _engine(workers: int) -> Engine:
+@contextmanager
+def _engine(arguments: argparse.Namespace, workers: int) -> Iterator[Engine]:
     from brdfit.batch.engine import Here, Processes
 
-    return Here() if workers == 1 else Processes(workers)
+    if arguments.scheduler is None:
+        yield Here() if workers == 1 else Processes(workers)
+        return
+    from brdfit.batch.cluster import Cluster
+
+    address = None if arguments.scheduler == "local" else arguments.scheduler
+    with Cluster(address, workers) as cluster:
+        yield cluster
 
 
 def _say_input(source: BatchInput, console: Console) -> None:
