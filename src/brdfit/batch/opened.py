@@ -70,6 +70,10 @@ class Batch:
         """Return one array of the store for all items: noise, outlier_share, deviation, ..."""
         return np.asarray(self._store.group[name][:])
 
+    def rows(self, name: str, start: int, stop: int) -> np.ndarray:
+        """Return one array of the store for the items from `start` to `stop`."""
+        return np.asarray(self._store.group[name][start:stop])
+
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Name of every item; empty for one that is not done."""

@@ -43,7 +43,7 @@ FIELDS = (
     Field("outliers", "int32", 0, "of them, more likely wrong than right"),
     Field("noise", "float32", np.nan, "relative noise of a good sample, ln f_r"),
     Field("outlier_share", "float32", np.nan, "share of outliers, estimated"),
-    Field("deviation", "float32", np.nan, "standard deviation of ln f_r, rms over directions"),
+    Field("deviation", "float32", np.nan, "standard deviation of ln f_r, rms over direction pairs"),
     Field("position", "float32", np.nan, "(2,): pixel column and row"),
     Field("name", "uint8", 0, "(width,): UTF-8, filled up with 0"),
     Field("message", "uint8", 0, f"({_MESSAGE},): why it failed, UTF-8, filled up with 0"),

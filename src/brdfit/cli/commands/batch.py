@@ -16,6 +16,7 @@ from brdfit.cli.console import Console
 from brdfit.cli.declaration import add_reading_options, reading_options
 from brdfit.cli.parser import Parser
 from brdfit.cli.settings import add_settings, given_settings
+from brdfit.errors import UsageError
 
 if TYPE_CHECKING:
     from brdfit.batch.engine import Engine
@@ -60,6 +61,13 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
         metavar="NAME|PATH",
         help="Population to lean on (default: embedded).",
     )
+    parser.add_argument(
+        "--textures",
+        type=Path,
+        metavar="DIR",
+        help="Write maps for renderers too: base colour, specular, roughness, how far to trust "
+        "them, all coefficients, a MaterialX material and a relit preview.",
+    )
     _add_running(parser)
     add_settings(parser.add_argument_group("settings of compact"), Compact, ("population",))
     add_reading_options(parser)
@@ -99,6 +107,11 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     position = tuple(filter(None, (arguments.position or "").split(",")))
     source = open_input(arguments.input, reading_options(arguments), arguments.item, position)
     _say_input(source, console)
+    if arguments.textures is not None and not source.positioned:
+        raise UsageError(
+            f"--textures: the items of {source.name} have no pixel position. Give a long table "
+            f"with columns x and y, or name them: --position X,Y."
+        )
     workers = arguments.workers or len(os.sched_getaffinity(0))
     started = time.perf_counter()
     with console.progress(unit="items") as progress, _engine(arguments, workers) as engine:
@@ -113,6 +126,17 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
             progress=progress,
         )
     _say_summary(summary, time.perf_counter() - started, console)
+    if arguments.textures is not None:
+        _write_textures(arguments, console)
+
+
+def _write_textures(arguments: argparse.Namespace, console: Console) -> None:
+    from brdfit.batch import open_batch
+    from brdfit.export.textures import write_textures
+
+    with console.progress() as progress:
+        write_textures(open_batch(arguments.output), arguments.textures, progress)
+    console.say(f"wrote {arguments.textures} (maps, material.mtlx, preview.png)")
 
 
 def _method(arguments: argparse.Namespace) -> Compact:

@@ -100,13 +100,15 @@ class LeadingBasis:
 
     @cached_property
     def spread(self) -> FloatArray:
-        """(1 + k, 1 + k): mean of phi phi^T over the cells, phi = [tau | B]."""
+        """(1 + k, 1 + k): mean of phi phi^T over evenly drawn pairs of directions."""
         total = np.zeros((self.size, self.size))
+        share = self.grid.solid_angle.reshape(-1)[self.grid.cells]
         for start in range(0, len(self.rows), _CHUNK):
-            phi = self.rows[start : start + _CHUNK].astype(np.float64)
+            at = slice(start, start + _CHUNK)
+            phi = self.rows[at].astype(np.float64)
             phi[:, 0] = BRIGHTNESS
-            total += phi.T @ phi
-        return np.asarray(total / len(self.rows))
+            total += phi.T @ (share[at, None] * phi)
+        return total
 
     @cached_property
     def _blank(self) -> Table:

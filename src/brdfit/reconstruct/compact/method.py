@@ -31,7 +31,7 @@ class Compact:
 
     population: str | Population = "embedded"
     """Materials to lean on: published, synthetic, embedded, nbrdf, an archive, or a folder."""
-    components: int = 48
+    components: int = 40
     """Coefficients of a channel, besides its brightness."""
     residual_amplitude: float = 0.1
     """ln f_r: how far a material may leave the population, smoothly, anywhere."""

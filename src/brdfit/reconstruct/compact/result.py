@@ -29,7 +29,7 @@ class BlockResult:
     | `coefficients`   | (b, c, 1 + k)| of [tau | B]                                          |
     | `noise`          | (b,)         | s, relative noise of a good sample, ln f_r            |
     | `outlier_share`  | (b,)         | pi                                                    |
-    | `deviation`      | (b,)         | standard deviation of ln f_r, rms over all directions |
+    | `deviation`      | (b,)         | standard deviation of ln f_r, rms over directions     |
     | `steps`          | (b,)         | rounds after the coarse ones                          |
     | `settled`        | (b,)         | whether the last changed next to nothing              |
     | `used`           | (b,)         | usable samples                                        |
