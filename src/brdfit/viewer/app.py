@@ -108,9 +108,13 @@ def _entry_routes(bench: Workbench) -> list[Route]:
         return _json(entry_message(item(request.path_params["id"])))
 
     def table(request: Request) -> Response:
-        packed = item(request.path_params["id"]).packed
-        headers = {**HEADERS, "Content-Encoding": "deflate"}
-        return Response(packed.content, media_type="application/octet-stream", headers=headers)
+        found = item(request.path_params["id"])
+        return Response(
+            found.packed.content,
+            media_type="application/octet-stream",
+            headers={**HEADERS, "Content-Encoding": "deflate"},
+            background=BackgroundTask(found.ahead),
+        )
 
     def albedo(request: Request) -> Response:
         return _json(albedo_message(item(request.path_params["id"])))

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from brdfit.albedo import directional_albedo
-from brdfit.arrays import FloatArray
+from brdfit.arrays import BoolArray, FloatArray
 from brdfit.reconstruct.result import Reconstruction
 from brdfit.report.coverage import Reach
 from brdfit.report.drawn import drawn_samples, stddev_of
@@ -24,6 +24,7 @@ from brdfit.report.fitted import Fitted
 from brdfit.report.packed_table import PackedTable
 from brdfit.report.rgb import Conversion, rgb_table
 from brdfit.report.slice_panel import SlicePanel, slice_panel
+from brdfit.samples import Samples
 from brdfit.table import Table
 
 __all__ = ["Item"]
@@ -47,7 +48,8 @@ class Item:
     parent: str | None = None
     """Id of the item that this is a refit of."""
     _made: dict[str, Any] = field(default_factory=dict, repr=False)
-    _lock: Any = field(default_factory=threading.RLock, repr=False)
+    _locks: dict[str, Any] = field(default_factory=dict, repr=False)
+    _lock: Any = field(default_factory=threading.Lock, repr=False)
 
     @property
     def kind(self) -> str:
@@ -114,8 +116,17 @@ class Item:
         if self.result is not None:
             result = self.result
             return slice_panel(result, result.samples, result.outliers, self.stddev, **angles)
-        samples, outliers = drawn_samples(self.fitted)
+        samples, outliers = self._drawn
         return slice_panel(self.table, samples, outliers, stddev_of(self.fitted), **angles)
+
+    @property
+    def _drawn(self) -> tuple[Samples | None, BoolArray | None]:
+        return self._once("drawn", lambda: drawn_samples(self.fitted))
+
+    def ahead(self) -> None:
+        """Work out what the page asks for next: bands take their time to become R, G, B."""
+        if self.result is None:
+            _ = self._drawn
 
     @property
     def record(self) -> dict[str, Any]:
@@ -123,8 +134,10 @@ class Item:
         return dict(self.fitted.record)
 
     def _once(self, name: str, make: Callable[[], _T]) -> _T:
-        # Two tabs that ask at once wait for one piece of work, not for two.
+        # Two tabs that ask at once wait for one piece of work, not for two, nor for another.
         with self._lock:
+            lock = self._locks.setdefault(name, threading.Lock())
+        with lock:
             if name not in self._made:
                 self._made[name] = make()
             made: _T = self._made[name]
