@@ -17,8 +17,8 @@ frames          pictures a second while the pointer drags the light, without a g
 report          size of the report of the same fit, made from its files
 
 The page of tables goes beside the result. Before each opening the script waits, for at most
-half a minute, until others leave the machine alone for half a second; how many cores they kept
-busy then stands beside the seconds.
+forty seconds, until others leave the machine alone for half a second. The page shows the
+openings that began so; the record has all, each with the cores that were busy before.
 """
 
 from __future__ import annotations
@@ -56,6 +56,8 @@ from page_picture import shown_difference, sphere_of
 NOISE = 0.02
 SEED = 1
 DRAG_SECONDS = 3.0
+BUSY = 0.5
+"""Cores that others keep busy: with more, an opening is not one on two cores."""
 # Drags the light on every frame of the browser; returns (pictures shown, seconds).
 _DRAG = """async (seconds) => {
   const canvas = document.querySelector('#stage canvas');
@@ -177,7 +179,7 @@ def opened(path: Path, browser: Any) -> Record:
         context.close()
 
 
-def quiet_moment(patience: float = 30.0) -> float | None:
+def quiet_moment(patience: float = 40.0) -> float | None:
     """Wait until others leave the machine alone; return how many cores they kept busy at last.
 
     None, at once, where the system does not say (/proc/stat).
@@ -263,7 +265,7 @@ def page(found: Record) -> str:
             "Made by `python benchmarks/viewer.py --data DIR`, which says what is measured.",
             f"{machine['cores']} cores, load average {load} (other work ran beside), Chromium "
             f"{machine['browser']}, headless, WebGL2 in software. Seconds: median (least to "
-            "most) of the openings.",
+            "most) of the openings that began while others kept less than half a core busy.",
             "",
             _openings(found["openings"]),
             "",
@@ -287,29 +289,28 @@ def _openings(openings: dict[str, list[Record]]) -> str:
         Column("settled, from the command", number=True),
         Column("table, MB", number=True),
         Column("all, MB", number=True),
-        Column("cores busy before", number=True),
+        Column("openings", number=True),
     ]
     rows = []
     for name, runs in openings.items():
+        quiet = [run for run in runs if (run["cores_busy_before"] or 0.0) < BUSY]
         times = ("from_command", "from_navigation", "settled_from_command")
         sizes = (max(run[key] for run in runs) / 1e6 for key in ("table_bytes", "all_bytes"))
         rows.append(
             [
                 f"{name} ({runs[0]['megabytes_of_file']:.0f} MB)",
-                *(_spread([run[key] for run in runs]) for key in times),
+                *(_spread([run[key] for run in quiet]) for key in times),
                 *(cell(size, digits=2) for size in sizes),
-                _spread([run["cores_busy_before"] for run in runs]),
+                f"{len(quiet)} of {len(runs)}",
             ]
         )
     return table(columns, rows)
 
 
-def _spread(found: list[float | None]) -> str:
-    """Return the median, least and most; a dash where something is not known."""
-    known = [one for one in found if one is not None]
-    if len(known) < len(found):
+def _spread(seconds: list[float]) -> str:
+    if not seconds:
         return "-"
-    return f"{statistics.median(known):.2f} ({min(known):.2f} to {max(known):.2f})"
+    return f"{statistics.median(seconds):.2f} ({min(seconds):.2f} to {max(seconds):.2f})"
 
 
 def _lights(agreement: Record, frames: Record) -> str:

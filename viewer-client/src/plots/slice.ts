@@ -39,10 +39,12 @@ export function* valuesOf(panel: SlicePanel): Generator<number> {
 /** Return the values of several slices that a logarithmic scale should show. */
 export function commonScale(panels: readonly SlicePanel[], kind: ScaleKind): Scale {
   const curves = panels.flatMap((panel) => panel.curves.flatMap((curve) => curve.value));
-  const least = Math.min(...curves.filter((value) => value > 0)) / 30;
+  // Six decades at most: what lies lower is next to nothing, and stands at the bottom.
+  const most = Math.max(...curves);
+  const least = Math.max(Math.min(...curves.filter((value) => value > 0)) / 30, most / 1e6);
   const values = panels.flatMap((panel) => [...valuesOf(panel)]);
   // The band of the first, but a very wide one must not press the curves together.
-  const [high, low] = [Math.max(...curves) * MOST_ABOVE, Math.max(least, 0)];
+  const [high, low] = [most * MOST_ABOVE, Math.max(least, 0)];
   for (const curve of panels[0]?.curves ?? []) {
     for (const value of curve.high ?? []) values.push(Math.min(value, high));
     for (const value of curve.low ?? []) values.push(Math.max(value, low));
