@@ -77,7 +77,8 @@ class Bench:
         self.networks = networks
         self.used = used
         self.items = items
-        self.folder = Path(tempfile.mkdtemp(prefix="batch-"))
+        self._scratch = tempfile.TemporaryDirectory(prefix="batch-")
+        self.folder = Path(self._scratch.name)
 
     def patch(self, count: int) -> Patch:
         """Return a patch of `count` points."""

@@ -44,6 +44,19 @@ def test_long_work_writes_a_line_now_and_then_where_there_is_no_terminal() -> No
     assert 5 <= len(lines) <= 10
 
 
+def test_work_that_counts_something_says_how_many_a_second_and_how_long_it_takes_yet() -> None:
+    stream, clock = io.StringIO(), _Clock()
+    bar = Bar(stream, delay=60.0, clock=clock, unit="items")
+    for second in range(0, 101, 10):  # 4,000 were done before: they are no work of this run
+        bar("items", 4_000 + 50 * second, 10_000)
+        clock.now += 10.0
+    bar("another", 1, 2)
+    bar.close()
+    lines = stream.getvalue().splitlines()
+    assert lines[0] == "brdfit: items: 70 % (60 s, 50 a second, 60 s left)"
+    assert lines[-1] == "brdfit: another: 50 % (110 s)"
+
+
 def test_work_that_does_not_call_again_is_shown_all_the_same() -> None:
     stream = io.StringIO()
     bar = Bar(stream, delay=0.05)

@@ -14,6 +14,7 @@ from brdfit.batch.source import BatchInput
 from brdfit.batch.store import BatchStore, Facts
 from brdfit.errors import UsageError
 from brdfit.files import sha256_of_bytes
+from brdfit.linalg import sweep_if_compiled
 from brdfit.populations import cache_folder
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.compact import Compact, LeadingBasis
@@ -178,6 +179,8 @@ def _versions() -> dict[str, str]:
             versions[name] = version(name)
         except PackageNotFoundError:
             versions[name] = "not installed"  # run from a source tree
+    # it makes a difference in the last bits
+    versions["inverses"] = "numpy" if sweep_if_compiled() is None else "compiled"
     return versions
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from brdfit.linalg.definite import inverse_by_halves, inverses, sweep_if_compiled
 from brdfit.linalg.gaussian import CoefficientPosterior, LeftOut
 from brdfit.linalg.normal_equations import (
     NormalEquations,
@@ -17,8 +18,11 @@ __all__ = [
     "LeftOut",
     "NormalEquations",
     "RidgeFit",
+    "inverse_by_halves",
+    "inverses",
     "nonnegative",
     "one_thread",
     "ridge",
     "ridge_with_intercept",
+    "sweep_if_compiled",
 ]

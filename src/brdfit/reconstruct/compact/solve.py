@@ -35,6 +35,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+from brdfit.linalg import inverses
+
 __all__ = ["Items", "Search", "Solution", "solve"]
 
 # An array of whichever library: no static type names them all.
@@ -47,8 +49,6 @@ _IMAGINED, _LEAST, _MOST = 5.0, 0.003, 0.25
 _PRIOR_WRONG, _PRIOR_RIGHT, _SHARE = 0.5, 4.5, 0.05
 _SETTLED, _SAME_WIDTH = 1e-2, 0.02
 _LOG_TWO_PI = math.log(2.0 * math.pi)
-# Matrices up to this size are inverted at once.
-_SMALL = 16
 # Below this share of items still moving, those at rest are set aside.
 _CROWDED = 0.7
 
@@ -243,7 +243,7 @@ def _step(xp: Any, items: Items, products: _Products, now: Solution) -> Solution
         known = known * (1.0 - items.bound * xp.astype(respected, known.dtype))
     weights = (now.responsibility / variance)[:, None, :] * _of_group(items, known)
     k = items.features.shape[-1]
-    inverse = _inverse(xp, products.gram(xp, weights) + xp.eye(k, dtype=known.dtype))
+    inverse = inverses(xp, products.gram(xp, weights) + xp.eye(k, dtype=known.dtype))
     z = xp.matmul(products.moment(xp, weights[:, :, None, :] * items.y), inverse)
     h = products.variance(xp, inverse)
     others, spread = _left_out(xp, items.y, products.fitted(xp, z), weights, h)
@@ -262,27 +262,6 @@ def _step(xp: Any, items: Items, products: _Products, now: Solution) -> Solution
         now.steps + 1.0,
         (moved < _SETTLED) & same,
     )
-
-
-def _inverse(xp: Any, a: Array) -> Array:
-    """Return the inverses of positive definite matrices (..., k, k), by halves.
-
-    With S the Schur complement of the upper left block P of [[P, Q], [Q^T, R]]: large products
-    of small matrices cost less than the eliminations of LAPACK, which are made for large ones.
-    """
-    k = a.shape[-1]
-    if k <= _SMALL:
-        return xp.linalg.inv(a)
-    h = k // 2
-    turn = (*range(len(a.shape) - 2), len(a.shape) - 1, len(a.shape) - 2)
-    p = _inverse(xp, a[..., :h, :h])
-    t = xp.matmul(p, a[..., :h, h:])
-    t_turned = xp.permute_dims(t, turn)
-    s = _inverse(xp, a[..., h:, h:] - xp.matmul(t_turned, a[..., :h, h:]))
-    u = xp.matmul(t, s)
-    upper = xp.concat([p + xp.matmul(u, t_turned), -u], axis=-1)
-    lower = xp.concat([-xp.permute_dims(u, turn), s], axis=-1)
-    return xp.concat([upper, lower], axis=-2)
 
 
 def _deviation(xp: Any, inverse: Array, spread: Array) -> Array:
