@@ -199,6 +199,8 @@ def test_two_entries_stand_side_by_side_and_their_difference_is_the_perceptual_e
     tab = open_tab()
     page = tab.page
     tab.settle()
+    # a table alone has no samples: no empty maps
+    assert not page.locator("canvas.sample-map").first.is_visible()
     page.get_by_label("Difference").check()
     page.wait_for_selector("canvas[data-difference]", timeout=60_000)
     shown = float(page.locator("#stage canvas").get_attribute("data-difference"))

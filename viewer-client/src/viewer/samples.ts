@@ -105,6 +105,7 @@ export class SamplesPanel {
     const entry = this.model.active;
     const switches = entry ? this.model.switchesOf(entry.id) : new Map<number, boolean>();
     for (const map of this.maps) {
+      map.element.hidden = this.columns === null;
       map.draw(this.columns, this.colour, this.model.chosen, switches);
     }
   }
