@@ -80,10 +80,10 @@ def read_exr(
     library = require_openexr(f"Reading {path.name}")
     low, high = (np.asarray(corner, dtype=np.int64) for corner in header["dataWindow"])
     width, height = (int(size) for size in high - low + 1)
+    single = _single_precision(path)
     try:
         # not `File`, which answers for damaged pixels with a word on the standard output
         file = library.InputFile(str(path))
-        single = import_module("Imath").PixelType(2)  # FLOAT; the module comes with the library
         planes = {
             name: np.frombuffer(file.channel(name, single), np.float32)
             for name in file.header()["channels"]
@@ -97,6 +97,14 @@ def read_exr(
                 f"{height} were expected; channels of other resolutions are not read."
             )
     return {name: plane.reshape(height, width) for name, plane in planes.items()}, header
+
+
+def _single_precision(path: Path) -> object:
+    """Return what `InputFile` takes for float32; the module comes with the library."""
+    try:
+        return import_module("Imath").PixelType(2)
+    except ImportError as error:
+        raise MissingExtra("OpenEXR", "exr", f"Reading {path.name}") from error
 
 
 def _check_names(path: Path) -> None:
