@@ -101,3 +101,13 @@ def test_a_sheet_holds_every_sphere_at_its_size(tmp_path: Path) -> None:
             sheet[top : top + 40, left : left + 40].mean(axis=(0, 1)), colour
         )
         assert sheet[top + 42 : top + 60, left : left + 40].max() > 0.5, "no label"
+
+
+def test_a_signalling_nan_is_counted_like_any_other(tmp_path: Path) -> None:
+    pytest.importorskip("OpenEXR", reason="the extra 'exr' is not installed")
+    plane = np.ones((4, 8), dtype=np.float32)
+    plane.view(np.uint32)[2, 3] = 0x7FA00000
+    write_exr(dict.fromkeys("RGB", plane), {}, tmp_path / "a.exr")
+    with pytest.warns(DataQualityWarning, match="1 of 32 pixels are negative or not finite"):
+        environment = read_environment(tmp_path / "a.exr")
+    assert environment.radiance[2, 3, 0] == 0.0
