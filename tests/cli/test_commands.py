@@ -337,6 +337,15 @@ def test_a_format_that_does_not_exist_names_those_that_do(
     assert list(tmp_path.iterdir()) == [grey_table]
 
 
+def test_a_folder_in_place_of_an_output_is_called_one(
+    run: Run, grey_table: Path, tmp_path: Path
+) -> None:
+    for words in (("convert", grey_table, tmp_path), ("repair", grey_table, "-o", tmp_path)):
+        code, _, err = run(*words)
+        assert code == 2
+        assert "is a folder" in err
+
+
 def test_fit_and_repair_take_the_format_of_their_output(
     run: Run, constant: type, paint_csv: Path, grey_table: Path, tmp_path: Path
 ) -> None:

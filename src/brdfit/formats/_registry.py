@@ -260,6 +260,8 @@ def format_to_write(
     for sheet in able:
         if suffix.lower() in sheet.extensions:
             return sheet
+    if Path(path).is_dir():
+        raise UsageError(f"{path}: is a folder, but the name of a file to write was expected.")
     raise UsageError(
         f"{name}: the suffix {suffix!r} does not say how to write {noun}. Use one of: {known}; or "
         f"name the format (format=..., on the command line --to)."
