@@ -17,8 +17,8 @@ frames          pictures a second while the pointer drags the light, without a g
 report          size of the report of the same fit, made from its files
 
 The page of tables goes beside the result. Before each opening the script waits, for at most
-forty seconds, until others leave the machine alone for half a second. The page shows the
-openings that began so; the record has all, each with the cores that were busy before.
+forty seconds, until others leave the machine alone for half a second; how many cores they kept
+busy then stands beside the seconds. What they begin later is in the seconds too.
 """
 
 from __future__ import annotations
@@ -56,8 +56,6 @@ from page_picture import shown_difference, sphere_of
 NOISE = 0.02
 SEED = 1
 DRAG_SECONDS = 3.0
-BUSY = 0.5
-"""Cores that others keep busy: with more, an opening is not one on two cores."""
 # Drags the light on every frame of the browser; returns (pictures shown, seconds).
 _DRAG = """async (seconds) => {
   const canvas = document.querySelector('#stage canvas');
@@ -263,9 +261,9 @@ def page(found: Record) -> str:
             "# The viewer and the report",
             "",
             "Made by `python benchmarks/viewer.py --data DIR`, which says what is measured.",
-            f"{machine['cores']} cores, load average {load} (other work ran beside), Chromium "
+            f"{machine['cores']} cores, load average {load}, Chromium "
             f"{machine['browser']}, headless, WebGL2 in software. Seconds: median (least to "
-            "most) of the openings that began while others kept less than half a core busy.",
+            "most) of all openings; other work ran beside.",
             "",
             _openings(found["openings"]),
             "",
@@ -289,28 +287,25 @@ def _openings(openings: dict[str, list[Record]]) -> str:
         Column("settled, from the command", number=True),
         Column("table, MB", number=True),
         Column("all, MB", number=True),
-        Column("openings", number=True),
+        Column("cores busy before", number=True),
     ]
     rows = []
     for name, runs in openings.items():
-        quiet = [run for run in runs if (run["cores_busy_before"] or 0.0) < BUSY]
         times = ("from_command", "from_navigation", "settled_from_command")
         sizes = (max(run[key] for run in runs) / 1e6 for key in ("table_bytes", "all_bytes"))
         rows.append(
             [
                 f"{name} ({runs[0]['megabytes_of_file']:.0f} MB)",
-                *(_spread([run[key] for run in quiet]) for key in times),
+                *(_spread([run[key] for run in runs]) for key in times),
                 *(cell(size, digits=2) for size in sizes),
-                f"{len(quiet)} of {len(runs)}",
+                _spread([run["cores_busy_before"] or 0.0 for run in runs]),
             ]
         )
     return table(columns, rows)
 
 
-def _spread(seconds: list[float]) -> str:
-    if not seconds:
-        return "-"
-    return f"{statistics.median(seconds):.2f} ({min(seconds):.2f} to {max(seconds):.2f})"
+def _spread(found: list[float]) -> str:
+    return f"{statistics.median(found):.2f} ({min(found):.2f} to {max(found):.2f})"
 
 
 def _lights(agreement: Record, frames: Record) -> str:
