@@ -15,10 +15,12 @@ from brdfit.errors import UsageError
 if TYPE_CHECKING:
     from brdfit.arrays import FloatArray
     from brdfit.progress import Progress
-    from brdfit.render import Sphere
+    from brdfit.render import Environment, Illumination, Sphere
     from brdfit.table import Table
 
-_SAMPLES = 128
+    Shader = Callable[[Table, Progress], FloatArray]
+
+_SAMPLES = {"brdfit": 128, "mitsuba": 256}
 
 
 def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
@@ -53,11 +55,18 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
         help="Turn the panorama to the right about the vertical.",
     )
     parser.add_argument(
+        "--renderer",
+        choices=list(_SAMPLES),
+        default="brdfit",
+        help="Who renders: brdfit itself (default), or Mitsuba 3 with our plugin, which needs the "
+        "extra 'mitsuba' and the shared library of LLVM.",
+    )
+    parser.add_argument(
         "--samples",
         type=int,
-        default=_SAMPLES,
         metavar="N",
-        help=f"Directions per pixel under a panorama (default: {_SAMPLES}).",
+        help=f"Directions per pixel under a panorama (default: {_SAMPLES['brdfit']}); with "
+        f"--renderer mitsuba rays per pixel under any light (default: {_SAMPLES['mitsuba']}).",
     )
     parser.add_argument(
         "--sheet", action="store_true", help="Put all FILEs on one sheet, with their names."
@@ -115,6 +124,8 @@ def _checked(arguments: argparse.Namespace) -> Path:
         )
     if arguments.columns is not None and arguments.columns < 1:
         raise UsageError(f"--columns: found {arguments.columns} but a row needs at least 1.")
+    if arguments.samples is not None and arguments.samples < 2:
+        raise UsageError(f"--samples: found {arguments.samples} but a pixel needs 2 or more.")
     if not (arguments.exposure > 0.0):
         raise UsageError(f"--exposure: found {arguments.exposure:g} but a factor is above 0.")
     if arguments.output is None and not arguments.sheet:
@@ -127,21 +138,38 @@ def _checked(arguments: argparse.Namespace) -> Path:
     return output
 
 
-def _shader(
-    arguments: argparse.Namespace, sphere: Sphere
-) -> tuple[Callable[[Table, Progress], FloatArray], str]:
-    """Return (table -> linear image, name of the light)."""
-    from brdfit.render import ILLUMINATIONS, shade_under
+def _shader(arguments: argparse.Namespace, sphere: Sphere) -> tuple[Shader, str]:
+    """Return (table -> linear image, name of the light and of a renderer that is not ours)."""
+    from brdfit.render import ILLUMINATIONS, Environment, shade_under
     from brdfit.report.environment_file import read_environment
 
+    samples = arguments.samples or _SAMPLES[arguments.renderer]
+    light: Environment | Illumination
     if arguments.environment is None:
-        lights = ILLUMINATIONS[arguments.illumination]()
-        return (lambda table, progress: sphere.shade(table, lights)), arguments.illumination
-    environment = read_environment(arguments.environment, arguments.rotate)
-    samples = arguments.samples
-    return (
-        lambda table, progress: shade_under(sphere, table, environment, samples, progress)
-    ), environment.name
+        light = ILLUMINATIONS[arguments.illumination]()
+    else:
+        light = read_environment(arguments.environment, arguments.rotate)
+    if arguments.renderer == "mitsuba":
+        return _by_mitsuba(light, sphere.size, samples)
+    if isinstance(light, Environment):
+        return (
+            lambda table, progress: shade_under(sphere, table, light, samples, progress)
+        ), light.name
+    return (lambda table, progress: sphere.shade(table, light, progress)), light.name
+
+
+def _by_mitsuba(light: Environment | Illumination, size: int, samples: int) -> tuple[Shader, str]:
+    from brdfit.mitsuba import bsdf
+    from brdfit.mitsuba.library import mitsuba_library, require_llvm
+    from brdfit.mitsuba.sphere import render_sphere
+
+    require_llvm()
+
+    def shade(table: Table, progress: Progress) -> FloatArray:
+        return render_sphere(lambda: bsdf(table), light, size, samples, progress=progress)
+
+    version = mitsuba_library().__version__
+    return shade, f"{light.name}, by Mitsuba {version} with {samples} rays per pixel"
 
 
 def _table(file: Path, arguments: argparse.Namespace, console: Console) -> Table:
