@@ -25,14 +25,21 @@ _SAMPLES = {"brdfit": 128, "mitsuba": 256}
 
 def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
     """Add what `brdfit render` takes."""
-    from brdfit.render import ILLUMINATIONS
-
     parser.add_argument(
         "files", type=Path, nargs="+", metavar="FILE", help="Table to look at; many with --sheet."
     )
     parser.add_argument(
         "-o", "--output", type=Path, metavar="PNG", help="Picture to write (--sheet: sheet.png)."
     )
+    _add_light(parser)
+    _add_renderer(parser)
+    _add_picture(parser)
+    add_reading_options(parser)
+
+
+def _add_light(parser: Parser) -> None:
+    from brdfit.render import ILLUMINATIONS
+
     light = parser.add_mutually_exclusive_group()
     light.add_argument(
         "--illumination",
@@ -54,6 +61,9 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
         metavar="DEGREES",
         help="Turn the panorama to the right about the vertical.",
     )
+
+
+def _add_renderer(parser: Parser) -> None:
     parser.add_argument(
         "--renderer",
         choices=list(_SAMPLES),
@@ -68,6 +78,9 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
         help=f"Directions per pixel under a panorama (default: {_SAMPLES['brdfit']}); with "
         f"--renderer mitsuba rays per pixel under any light (default: {_SAMPLES['mitsuba']}).",
     )
+
+
+def _add_picture(parser: Parser) -> None:
     parser.add_argument(
         "--sheet", action="store_true", help="Put all FILEs on one sheet, with their names."
     )
@@ -88,7 +101,6 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
         help="Brighten by this factor, after the 95th percentile of each sphere was brought to "
         "0.8.",
     )
-    add_reading_options(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> None:

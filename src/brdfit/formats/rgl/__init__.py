@@ -58,7 +58,7 @@ SHEET = FormatSheet(
     write_table=_write_table,
     options=("half", "extrapolate"),
     loses=(
-        "the grid (values at 12 to 64 incidences and 24 x 24 to 160 x 160 nodes for each, which "
+        "the grid (values at 12 to 96 incidences and 24 x 24 to 160 x 160 nodes for each, which "
         "lie where the material changes; the coarsest that is within 1 % of the table in the "
         "mean), "
         "digits after the seventh, the difference between one channel and three equal ones, and "

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from brdfit.albedo import Evaluable
+from brdfit.albedo import Evaluable, directional_albedo
 from brdfit.arrays import FloatArray
 from brdfit.formats.rgl.measurement import Measurement
 from brdfit.formats.rgl.microsurface import Microsurface
@@ -29,6 +29,10 @@ __all__ = ["Resolution", "tabulated"]
 _LAST = np.deg2rad(89.9)
 # > 1 sets the angles of incidence denser toward the horizon, where reflection changes fastest.
 _DENSER = 1.3
+# Angles are added where the albedo between two of them would be farther off than this.
+_ALBEDO_OFF = 0.003
+_CANDIDATES = np.deg2rad(np.arange(0.5, 90.0, 0.5))
+_RULE = {"rings": 64, "spokes": 8}
 _EVEN_SHARE = 0.75
 # Reflected directions down to this cosine get nodes, fewer the lower they are.
 _MARGIN = 0.15
@@ -40,16 +44,16 @@ class Resolution:
     """How many nodes."""
 
     incidences: int
-    """Angles of incidence."""
+    """Angles of incidence; up to half as many more where the albedo needs them."""
     nodes: int
     """Nodes along each axis of the warped square."""
     density: int
     """Nodes along each axis of the densities that place them."""
 
     def size(self, channels: int) -> int:
-        """Return the bytes that a file of so many channels takes, about."""
+        """Return the bytes that a file of so many channels takes at most, about."""
         values = self.nodes**2 * (channels + 1)
-        return 4 * self.incidences * (values + self.density**2)
+        return 4 * (self.incidences + self.incidences // 2) * (values + self.density**2)
 
 
 def tabulated(brdf: Evaluable, resolution: Resolution) -> Measurement:
@@ -58,7 +62,7 @@ def tabulated(brdf: Evaluable, resolution: Resolution) -> Measurement:
     The measurement has neither wavelengths nor a description: those are not the BRDF's.
     """
     surface = Microsurface.of(brdf)
-    theta_i = _as_stored(_LAST * (1.0 - np.linspace(1.0, 0.0, resolution.incidences) ** _DENSER))
+    theta_i = _as_stored(_incidences(brdf, resolution.incidences))
     blank = Measurement(
         theta_i=theta_i,
         ndf=_as_stored(np.stack([surface.ndf, surface.ndf])),
@@ -74,6 +78,28 @@ def tabulated(brdf: Evaluable, resolution: Resolution) -> Measurement:
     weighted = _weighted(brdf, wi.reshape(-1, 3), wo.reshape(-1, 3))
     values = (weighted / scale.reshape(-1, 1)).reshape(*scale.shape[:3], -1)
     return replace(blank, values=values, bits=wo[..., 2] > 0.0)
+
+
+def _incidences(brdf: Evaluable, count: int) -> FloatArray:
+    """Return `count` angles of incidence, and up to half as many more, ascending.
+
+    Between two of them a renderer takes the mean of what is stored there. Where reflection rises
+    and falls within a step, as at the last incidence that was measured, that is not close enough.
+    """
+    chosen = _LAST * (1.0 - np.linspace(1.0, 0.0, count) ** _DENSER)
+    albedo = directional_albedo(brdf, _CANDIDATES, **_RULE)
+    scale = np.maximum(np.abs(albedo).max(axis=1), 1e-300)
+    known = directional_albedo(brdf, chosen, **_RULE)
+    for _ in range(count // 2):
+        between = np.stack([np.interp(_CANDIDATES, chosen, a) for a in known.T], axis=1)
+        off = np.abs(between - albedo).max(axis=1) / scale
+        worst = int(np.argmax(off))
+        if off[worst] <= _ALBEDO_OFF:
+            break
+        at = int(np.searchsorted(chosen, _CANDIDATES[worst]))
+        chosen = np.insert(chosen, at, _CANDIDATES[worst])
+        known = np.insert(known, at, albedo[worst], axis=0)
+    return chosen
 
 
 def _as_stored(array: FloatArray) -> FloatArray:
