@@ -99,7 +99,7 @@ def _incidences(brdf: Evaluable, count: int) -> FloatArray:
         at = int(np.searchsorted(chosen, _CANDIDATES[worst]))
         chosen = np.insert(chosen, at, _CANDIDATES[worst])
         known = np.insert(known, at, albedo[worst], axis=0)
-    return chosen
+    return np.asarray(chosen)
 
 
 def _as_stored(array: FloatArray) -> FloatArray:
