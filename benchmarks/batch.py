@@ -175,21 +175,21 @@ class Bench:
 
     def kills(self) -> Record:
         """Kill a run at 20 random moments, continue it, and compare with an undisturbed one."""
-        path, chance = self.table(20_000), random.Random(20)
+        path, chance = self.table(40_000), random.Random(20)
         words = [sys.executable, "-m", "brdfit", "batch", str(path), "--workers", "2", "-o"]
         whole, pieces = self.folder / "whole.zarr", self.folder / "pieces.zarr"
         subprocess.run([*words, str(whole)], check=True, stdout=subprocess.DEVNULL)
-        seconds, done = [], []
+        done: list[int] = []
         for _ in range(20):
-            seconds.append(chance.uniform(1.0, 4.5))
             with subprocess.Popen([*words, str(pieces)], stdout=subprocess.DEVNULL) as process:
-                time.sleep(seconds[-1])
+                wait_for_blocks(pieces, chance.randrange(2), process)
+                time.sleep(chance.uniform(0.0, 0.7))
                 process.kill()
             done.append(open_batch(pieces).done if pieces.exists() else 0)
         subprocess.run([*words, str(pieces)], check=True, stdout=subprocess.DEVNULL)
         return {
-            "items": 20_000,
-            "kills": len(seconds),
+            "items": 40_000,
+            "kills": len(done),
             "done_after_each": done,
             "identical": content(whole) == content(pieces),
         }
@@ -301,6 +301,17 @@ def memory_of_tree(pid: int) -> int:
     except OSError:
         return total
     return total + sum(memory_of_tree(int(child)) for child in children)
+
+
+def wait_for_blocks(store: Path, more: int, process: subprocess.Popen[bytes]) -> None:
+    """Wait until a run has begun and has done so many more blocks, or has ended."""
+
+    def blocks() -> int:
+        return len(list((store / "done" / "c").glob("[0-9]*")))
+
+    before = blocks()
+    while process.poll() is None and (not store.exists() or blocks() < before + more):
+        time.sleep(0.01)
 
 
 def content(store: Path) -> dict[str, bytes]:

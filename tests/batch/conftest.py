@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("zarr", reason="stores need zarr: pip install 'brdfit[batch]'")
 sys.path.insert(0, str(Path(__file__).parent))
 
 from small_batch import BLOCK, columns, method, write_parquet

@@ -21,6 +21,8 @@ from brdfit.batch.engine import Processes, Work
 from brdfit.batch.run import items_of_a_block
 from brdfit.errors import CorruptFile, FitError, SampleError, UsageError
 
+pytest.importorskip("zarr", reason="stores need zarr: pip install 'brdfit[batch]'")
+
 SCRIPT = Path(__file__).with_name("small_batch.py")
 BLOCKS = 11
 

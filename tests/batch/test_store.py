@@ -13,6 +13,8 @@ from brdfit.formats import read_samples, read_table, write_samples
 from brdfit.grid import Grid
 from brdfit.samples import Samples
 
+pytest.importorskip("zarr", reason="stores need zarr: pip install 'brdfit[batch]'")
+
 
 def sample_of(item, named):
     rows = slice(item * N_SAMPLES, (item + 1) * N_SAMPLES)
