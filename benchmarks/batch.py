@@ -362,7 +362,7 @@ def _speed(found: dict[str, Any]) -> str:
         "core*: items a second of processor time, all processes and their start included."
     )
     columns = [Column("who"), Column("a second", True), Column("a core", True)]
-    return table([*columns, Column("ratio", True)], rows) + "\n\n" + note
+    return table([*columns, Column("ratio", True)], rows) + "\n" + note
 
 
 def _accuracy(found: Record) -> str:

@@ -143,7 +143,9 @@ class TableInput:
         following = begins[stop - low * _STRIDE :]
         end = int(following[0]) if following.size else len(ids)
         rows = slice(int(chosen[0]), end)
-        block = Block(samples.subset(np.arange(len(ids))[rows]), _offsets(chosen, end))
+        if rows != slice(0, len(ids)):  # parts that begin and end with every 64th item are whole
+            samples = samples.subset(np.arange(len(ids))[rows])
+        block = Block(samples, _offsets(chosen, end))
         return Part(
             names=[str(name) for name in ids[chosen]],
             block=block,
