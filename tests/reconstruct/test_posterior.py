@@ -138,3 +138,16 @@ def test_the_residual_is_reciprocal_and_knows_no_azimuth_at_the_poles():
     for pole in ((angle * 0.0, angle, angle), (angle, angle * 0.0, angle)):
         turned = (pole[0], pole[1], angle + 0.5)
         assert np.allclose(residual.at(pole), residual.at(turned), atol=1e-6)
+
+
+def test_the_leading_directions_are_the_largest_in_ln_f_r_and_the_prior_is_the_same():
+    rng = np.random.default_rng(8)
+    sizes = np.array([30.0, 1.0, 0.1, 0.01])
+    axes = np.linalg.qr(rng.normal(size=(12, 4)))[0]
+    components = np.hstack([np.zeros((50, 1)), rng.normal(size=(50, 4)) * sizes])
+    weights = rng.random(12)
+    plain, ordered = population_prior(axes, weights), population_prior(axes, weights, sizes)
+    assert np.allclose(plain.factor @ plain.factor.T, ordered.factor @ ordered.factor.T)
+    variance = (ordered.features(components)[:, :-1] ** 2).sum(axis=0)
+    assert variance[0] > 0.9 * variance.sum()
+    assert np.allclose(ordered.leading(1).factor, ordered.factor[:, :1])

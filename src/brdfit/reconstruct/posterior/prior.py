@@ -60,14 +60,21 @@ class PopulationPrior:
         return PopulationPrior(self.mean, self.factor[:, :size])
 
 
-def population_prior(axes: FloatArray, weights: FloatArray) -> PopulationPrior:
-    """Return the prior of columns with coordinates `axes` (columns, q) and weights (columns,)."""
+def population_prior(
+    axes: FloatArray, weights: FloatArray, sizes: FloatArray | None = None
+) -> PopulationPrior:
+    """Return the prior of columns with coordinates `axes` (columns, q) and weights (columns,).
+
+    `sizes` (q,) say how large a component is in ln f_r. They do not change the prior, only
+    which of its directions come first: the coordinates themselves are all of one size.
+    """
     weights = weights / weights.sum()
     mean = weights @ axes
-    spread = (axes - mean) * np.sqrt(weights)[:, None]
+    scale = np.ones(axes.shape[1]) if sizes is None else np.maximum(sizes, 1e-12)
+    spread = (axes - mean) * scale * np.sqrt(weights)[:, None]
     values, vectors = np.linalg.eigh(spread.T @ spread)
     kept = values > max(_SMALLEST * values[-1], 1e-300)
-    factor = vectors[:, kept] * np.sqrt(values[kept])
+    factor = vectors[:, kept] * np.sqrt(values[kept]) / scale[:, None]
     return PopulationPrior(mean, np.ascontiguousarray(factor[:, ::-1]))
 
 

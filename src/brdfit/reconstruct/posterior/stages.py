@@ -52,7 +52,9 @@ class Search:
     rows: int = 3000
     """Samples that the search looks at; the rest join in when it is over."""
     leading: int = 80
-    """Directions of the prior in the first stage."""
+    """Directions of the prior in the first stage, at most..."""
+    rows_per_direction: int = 8
+    """...and samples that each of them wants: with fewer, outliers find a place in the prior."""
     nearest: int = 10
     reach: float = 3.0
     mix: float = 0.1
@@ -76,6 +78,11 @@ class Design:
             self.weights,
             (theta_h[index], theta_d[index], phi_d[index]),
         )
+
+    def sizes(self) -> FloatArray:
+        """Return the root mean square of each component (q,) at the samples."""
+        squares = (self.components[:, 1:].astype(np.float64) ** 2).mean(axis=0)
+        return np.asarray(np.sqrt(squares))
 
     def columns(self) -> FloatArray:
         """Return ln f_r (n, k) of the columns that may be leaned on."""
@@ -123,14 +130,14 @@ def explain(
 
 
 def _explained(data: Measurements, design: Design, search: Search, progress: Progress) -> Winner:
-    prior = population_prior(design.axes, design.weights)
+    prior = population_prior(design.axes, design.weights, design.sizes())
     columns = design.columns()
     base = prior.log_mean(design.components)
     progress(_LABEL, 0, 2)
     first = _by_population(data, design, prior, np.column_stack([columns, base]), search)
     progress(_LABEL, 1, 2)
     weights = _closer_weights(design, columns, first, search)
-    prior = population_prior(design.axes, weights)
+    prior = population_prior(design.axes, weights, design.sizes())
     found = _with_residual(data, design, prior, first, search)
     progress(_LABEL, 2, 2)
     return found
@@ -152,7 +159,7 @@ def _by_population(
     candidates: FloatArray,
     search: Search,
 ) -> Explanation:
-    leading = prior.leading(search.leading)
+    leading = prior.leading(min(search.leading, max(3, len(data) // search.rows_per_direction)))
     base, features = prior.log_mean(design.components), leading.features(design.components)
     found = [
         refine(data, base, features, belief, search.first_steps)
