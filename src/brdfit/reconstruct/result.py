@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from brdfit.arrays import BoolArray, FloatArray, as_unit_directions
+from brdfit.arrays import BoolArray, FloatArray, IntArray, as_unit_directions
 from brdfit.display import Shown
 from brdfit.errors import UsageError
 from brdfit.geometry import split_by_horizon
@@ -20,6 +20,7 @@ from brdfit.progress import Progress, silent
 from brdfit.reconstruct.outcome import Outcome
 from brdfit.reconstruct.outliers import find_outliers
 from brdfit.reconstruct.targets import Targets
+from brdfit.reconstruct.trust import TrustMap
 from brdfit.samples import Samples, Source
 from brdfit.table import Table
 
@@ -117,6 +118,18 @@ class Reconstruction(Shown):
                 f"what it knows of its own quality."
             )
         return deviation
+
+    @cached_property
+    def trust_map(self) -> TrustMap:
+        """Where the result comes from, direction by direction."""
+        return TrustMap.of(self)
+
+    def trust(self, wi: FloatArray, wo: FloatArray) -> IntArray:
+        """Return the `Trust` (n,) of direction pairs (n, 3): measured, interpolated, supplied.
+
+        As integers, 0 below the horizon. `trust_map.definition` says what they mean.
+        """
+        return self.trust_map.evaluate(as_unit_directions("wi", wi), as_unit_directions("wo", wo))
 
     def table(self, grid: Grid = MERL_GRID, progress: Progress = silent) -> Table:
         """Return the dense result on `grid`; every cell above the horizon is valid."""

@@ -8,17 +8,12 @@ from typing import Any
 import numpy as np
 
 from brdfit.arrays import FloatArray
-from brdfit.geometry import spherical_from_directions, wrap_phi_d
+from brdfit.geometry import spherical_from_directions
 from brdfit.grid import Grid
+from brdfit.reconstruct.reach import FAR, NEAR, Reach
 from brdfit.samples import Samples
 
 __all__ = ["FAR", "NEAR", "Coverage", "Reach", "coverage_of"]
-
-NEAR = 5.0
-"""Degrees in half/difference coordinates within which a sample speaks for a direction."""
-
-FAR = 15.0
-"""Degrees beyond which a direction is no longer interpolated, but supplied by the method."""
 
 _NODES = Grid(30, 30, 36)
 
@@ -62,33 +57,6 @@ class Coverage:
         return f"{ranges} degrees; {self.share:.0%} of the domain within {self.near:g} degrees"
 
 
-class Reach:
-    """How far any direction is from the nearest usable sample.
-
-    Distance is Euclidean in (theta_h, theta_d) and the arc that phi_d spans there, with
-    phi_d taken by reciprocity. Without a usable sample every distance is infinite.
-    """
-
-    def __init__(self, samples: Samples) -> None:
-        from scipy.spatial import cKDTree
-
-        used = samples.usable.any(axis=1)
-        points = _embedded(*(angle[used] for angle in samples.half_diff))
-        # Twenty thousand points already fill what hundreds of thousands fill.
-        step = max(1, len(points) // 20_000)
-        self._tree = cKDTree(points[::step])
-
-    def degrees(
-        self, theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray, most: float = FAR
-    ) -> FloatArray:
-        """Return the distance, shaped as the angles (radians); infinite beyond `most`."""
-        angles = np.broadcast_arrays(theta_h, theta_d, phi_d)
-        distance, _ = self._tree.query(
-            _embedded(*angles), distance_upper_bound=np.radians(most) * (1.0 + 1e-12)
-        )
-        return np.asarray(np.degrees(distance))
-
-
 def coverage_of(samples: Samples) -> Coverage | None:
     """Return the coverage of the usable samples; None if there are none.
 
@@ -115,14 +83,3 @@ def coverage_of(samples: Samples) -> Coverage | None:
 
 def _range(angle: FloatArray) -> tuple[float, float]:
     return float(np.degrees(angle.min())), float(np.degrees(angle.max()))
-
-
-def _embedded(theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray) -> FloatArray:
-    """Points (n, 4) whose distances are angles in radians; phi_d has period pi.
-
-    Turning phi_d by d moves the directions by about min(sin theta_h, sin theta_d) d, and not
-    at all at either pole.
-    """
-    phi = wrap_phi_d(phi_d)
-    radius = 0.5 * np.minimum(np.sin(theta_h), np.sin(theta_d))
-    return np.stack([theta_h, theta_d, radius * np.cos(2 * phi), radius * np.sin(2 * phi)], axis=-1)

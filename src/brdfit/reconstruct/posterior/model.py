@@ -69,6 +69,21 @@ class PosteriorModel:
         channels = self.winner.explanation.coefficients.shape[1]
         return np.repeat(deviation[:, None], channels, axis=1)
 
+    @property
+    def noise(self) -> float:
+        """Standard deviation of ln f_r of a good sample."""
+        return self.winner.explanation.belief.width
+
+    def prior_stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return that of ln f_r before any sample (n,), the brightness known."""
+        brightness = self.winner.prior.size - 1
+        variance: list[FloatArray] = [np.empty(0)]
+        for start in range(0, len(wi), _CHUNK):
+            rows = slice(start, start + _CHUNK)
+            _, features = self._features(wi[rows], wo[rows])
+            variance.append((features**2).sum(axis=1) - features[:, brightness] ** 2)
+        return np.asarray(np.sqrt(np.maximum(np.concatenate(variance), 0.0)))
+
     def _features(self, wi: FloatArray, wo: FloatArray) -> tuple[FloatArray, FloatArray]:
         components = self.basis.at(wi, wo)
         return self.winner.features(components, half_diff_from_directions(wi, wo))
