@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from brdfit.bench import holdout
+from brdfit.bench.holdout.page import page
+from brdfit.bench.options import write_page
 from brdfit.bench.real_files import Split, compare, find_cases, split
 from brdfit.errors import UsageError
 from brdfit.geometry import directions_from_spherical
@@ -119,3 +121,11 @@ def test_only_positive_values_are_compared_and_the_others_are_counted(samples):
     assert found["censored"] == int((samples.value[:, 0] <= 0.0).sum())
     assert found["missing"] == 1
     assert np.isclose(found["mean"], np.abs(np.log(0.5 / positive)).mean(), rtol=1e-5)
+
+
+def test_a_result_of_an_earlier_version_is_named_as_one(tmp_path):
+    result = tmp_path / "old.json"
+    result.write_text('{"benchmark": "holdout", "records": []}')
+    with pytest.raises(UsageError, match=r"old\.json: found no .* Run the benchmark again"):
+        write_page(result, "holdout", page, lambda text: None)
+    assert not result.with_suffix(".md").exists()

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from brdfit.bench.ledger import Record, figure, read_result, versions
-from brdfit.bench.options import Say, add_run_arguments, ledger_of, share
+from brdfit.bench.ledger import Record, figure, versions
+from brdfit.bench.options import Say, add_run_arguments, ledger_of, share, write_page
 from brdfit.bench.paper.contender import Case
 from brdfit.bench.paper.scene import Scene
 from brdfit.bench.paper.settings import PaperSettings
@@ -23,8 +23,6 @@ from brdfit.bench.questions import QUESTIONS, Question, Variant, contender, defa
 from brdfit.bench.sweep_page import page
 from brdfit.bench.tuning import used_materials
 from brdfit.bench.workers import Task
-from brdfit.errors import UsageError
-from brdfit.files import atomic_path
 from brdfit.progress import Progress
 
 if TYPE_CHECKING:
@@ -81,11 +79,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--universe", type=share, default=0.05, help="share of the cells measured (default: 0.05)"
     )
-    parser.add_argument(
-        "--from-result",
-        action="store_true",
-        help="compute nothing: make the page again from RESULT as it is",
-    )
     add_run_arguments(parser, "benchmarks/results/sweep.json")
 
 
@@ -93,13 +86,7 @@ def run(arguments: argparse.Namespace, progress: Progress, say: Say) -> None:
     """Run the benchmark; leave the result and its page."""
     if not arguments.from_result:
         _compute(arguments, _settings(arguments), progress, say)
-    content = read_result(arguments.output)
-    if content.get("benchmark") != "sweep":
-        raise UsageError(f"{arguments.output}: this is not a result of `brdfit bench sweep`.")
-    target = arguments.output.with_suffix(".md")
-    with atomic_path(target) as aside:
-        aside.write_text(page(content), encoding="utf-8")
-    say(f"wrote {arguments.output} and {target}")
+    write_page(arguments.output, "sweep", page, say)
 
 
 def _settings(arguments: argparse.Namespace) -> SweepSettings:

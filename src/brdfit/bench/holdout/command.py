@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 from brdfit.bench.holdout.conditions import CONDITIONS, part_of
 from brdfit.bench.holdout.judgement import judge_method, judge_rbf
 from brdfit.bench.holdout.page import RBF, page
-from brdfit.bench.ledger import Record, read_result, versions
-from brdfit.bench.options import Say, add_run_arguments, ledger_of, share
+from brdfit.bench.ledger import Record, versions
+from brdfit.bench.options import Say, add_run_arguments, ledger_of, share, write_page
 from brdfit.bench.real_files import (
     RealCase,
     Split,
@@ -29,7 +29,6 @@ from brdfit.bench.real_files import (
 )
 from brdfit.bench.workers import Task
 from brdfit.errors import UsageError
-from brdfit.files import atomic_path
 from brdfit.progress import Progress
 from brdfit.samples import Samples
 
@@ -68,11 +67,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="TEXT",
         help="only materials whose name holds one of these (default: all)",
     )
-    parser.add_argument(
-        "--from-result",
-        action="store_true",
-        help="compute nothing: make the page again from RESULT as it is",
-    )
     add_run_arguments(parser, "benchmarks/results/holdout.json")
 
 
@@ -80,13 +74,7 @@ def run(arguments: argparse.Namespace, progress: Progress, say: Say) -> None:
     """Run the benchmark; leave the result and its page."""
     if not arguments.from_result:
         _compute(arguments, progress, say)
-    content = read_result(arguments.output)
-    if content.get("benchmark") != "holdout":
-        raise UsageError(f"{arguments.output}: this is not a result of `brdfit bench holdout`.")
-    target = arguments.output.with_suffix(".md")
-    with atomic_path(target) as aside:
-        aside.write_text(page(content), encoding="utf-8")
-    say(f"wrote {arguments.output} and {target}")
+    write_page(arguments.output, "holdout", page, say)
 
 
 def _compute(arguments: argparse.Namespace, progress: Progress, say: Say) -> None:

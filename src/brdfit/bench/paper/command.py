@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from brdfit.bench.ledger import read_result, record_seconds, versions
-from brdfit.bench.options import Say, add_run_arguments, ledger_of, share
+from brdfit.bench.options import Say, add_run_arguments, ledger_of, result_of, share
 from brdfit.bench.outliers import DEFAULT_OUTLIERS, OUTLIER_MODELS
 from brdfit.bench.paper.few import row_of
 from brdfit.bench.paper.parts import Run, charts, work
@@ -69,11 +69,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--docs", type=Path, metavar="PAGE", help="write the page of tables here as well"
     )
-    parser.add_argument(
-        "--from-result",
-        action="store_true",
-        help="compute nothing: make tables and figures again from RESULT as it is",
-    )
     add_run_arguments(parser, "benchmarks/results/paper.json")
 
 
@@ -114,10 +109,7 @@ def _row(text: str) -> FewRow:
 def run(arguments: argparse.Namespace, progress: Progress, say: Say) -> None:
     """Run the benchmark; leave the result, the page of tables, and the figures."""
     if arguments.from_result:
-        content = read_result(arguments.output)
-        if content.get("benchmark") != "paper":
-            raise UsageError(f"{arguments.output}: this is not a result of `brdfit bench paper`.")
-        _write_pages(arguments, content, say)
+        _write_pages(arguments, result_of(arguments.output, "paper"), say)
         return
     settings = _settings(arguments)
     population = _population(arguments.population)

@@ -11,14 +11,13 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from brdfit.bench.ledger import Record, read_result, versions
-from brdfit.bench.options import Say, add_run_arguments, ledger_of
+from brdfit.bench.ledger import Record, versions
+from brdfit.bench.options import Say, add_run_arguments, ledger_of, write_page
 from brdfit.bench.sparse.cases import Scene, SparseSettings, methods_of
 from brdfit.bench.sparse.page import page
 from brdfit.bench.sparse.published import HELD_OUT, SAMPLES
 from brdfit.bench.workers import Task
 from brdfit.errors import PopulationError, UsageError
-from brdfit.files import atomic_path
 from brdfit.progress import Progress
 
 if TYPE_CHECKING:
@@ -62,11 +61,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help=f"draws of directions for each material (default: {SparseSettings.repeats})",
     )
-    parser.add_argument(
-        "--from-result",
-        action="store_true",
-        help="compute nothing: make the page again from RESULT as it is",
-    )
     add_run_arguments(parser, "benchmarks/results/sparse.json")
 
 
@@ -74,13 +68,7 @@ def run(arguments: argparse.Namespace, progress: Progress, say: Say) -> None:
     """Run the benchmark; leave the result and its page."""
     if not arguments.from_result:
         _compute(arguments, progress, say)
-    content = read_result(arguments.output)
-    if content.get("benchmark") != "sparse":
-        raise UsageError(f"{arguments.output}: this is not a result of `brdfit bench sparse`.")
-    target = arguments.output.with_suffix(".md")
-    with atomic_path(target) as aside:
-        aside.write_text(page(content), encoding="utf-8")
-    say(f"wrote {arguments.output} and {target}")
+    write_page(arguments.output, "sparse", page, say)
 
 
 def _compute(arguments: argparse.Namespace, progress: Progress, say: Say) -> None:
