@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -45,8 +45,9 @@ class TableInput:
     count: int
     longest_name: int
     notes: tuple[str, ...]
-    channels: tuple[str, ...]
-    wavelengths: tuple[float, ...]
+    channels: tuple[str, ...] = ()
+    wavelengths: tuple[float, ...] = ()
+    """Both as the first rows have them; empty until they are read."""
 
     @classmethod
     def of(
@@ -81,33 +82,22 @@ class TableInput:
         declaration, notes = declare(where, columns, raw, take)
         starts, count, longest = _index(table, item)
         found = cls(
-            table,
-            declaration,
-            columns,
-            item,
-            position,
-            starts,
-            count,
-            longest,
-            tuple(notes),
-            (),
-            (),
+            table=table,
+            declaration=declaration,
+            columns=columns,
+            item=item,
+            position=position,
+            starts=starts,
+            count=count,
+            longest_name=longest,
+            notes=tuple(notes),
         )
-        first = found._samples(0, min(8, table.rows))[0]
+        return found._with_channels()
+
+    def _with_channels(self) -> TableInput:
+        first = self._samples(0, min(8, self.table.rows))[0]
         bands = () if first.wavelengths is None else tuple(first.wavelengths.tolist())
-        return cls(
-            table,
-            declaration,
-            columns,
-            item,
-            position,
-            starts,
-            count,
-            longest,
-            tuple(notes),
-            first.channels,
-            bands,
-        )
+        return replace(self, channels=first.channels, wavelengths=bands)
 
     @property
     def name(self) -> str:
