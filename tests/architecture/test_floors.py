@@ -13,7 +13,7 @@ import pytest
 from source_tree import Module, imports_of, package_modules, parse
 
 FLOORS = [
-    ["errors", "arrays", "files", "progress", "display", "tone"],
+    ["errors", "arrays", "files", "progress", "display", "tone", "versions"],
     ["geometry", "grid"],
     ["samples", "table", "models", "albedo"],
     ["formats"],

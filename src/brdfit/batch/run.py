@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from brdfit.populations import cache_folder
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.compact import Compact, LeadingBasis
 from brdfit.reconstruct.result import settings_record
+from brdfit.versions import versions_of
 
 __all__ = ["MEMORY", "RunSummary", "items_of_a_block", "run_batch"]
 
@@ -171,17 +171,9 @@ def _store(
 
 
 def _versions() -> dict[str, str]:
-    from importlib.metadata import PackageNotFoundError, version
-
-    versions = {"python": platform.python_version()}
-    for name in ("brdfit", "numpy", "zarr"):
-        try:
-            versions[name] = version(name)
-        except PackageNotFoundError:
-            versions[name] = "not installed"  # run from a source tree
-    # it makes a difference in the last bits
-    versions["inverses"] = "numpy" if sweep_if_compiled() is None else "compiled"
-    return versions
+    # How small matrices are inverted makes a difference in the last bits.
+    inverses = "numpy" if sweep_if_compiled() is None else "compiled"
+    return versions_of("brdfit", "numpy", "zarr") | {"inverses": inverses}
 
 
 class _alone:  # noqa: N801 - reads as the context manager that it is

@@ -32,6 +32,7 @@ from brdfit.bench.workers import Task, Work, run_pool
 from brdfit.errors import CorruptFile, UsageError
 from brdfit.files import atomic_path, sha256_of_bytes
 from brdfit.progress import Progress, silent
+from brdfit.versions import versions_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -65,15 +66,7 @@ def figure(value: float, digits: int = 6) -> float | None:
 
 def versions() -> dict[str, str]:
     """Return the versions that a result depends on, the code's own fingerprint included."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    found = {"python": platform.python_version(), "code": code_fingerprint()}
-    for package in ("brdfit", "numpy", "scipy"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
+    return versions_of("brdfit", "numpy", "scipy") | {"code": code_fingerprint()}
 
 
 def code_fingerprint() -> str:

@@ -16,6 +16,7 @@ from brdfit.export.write_materialx import require_materialx, write_materialx
 from brdfit.progress import Progress, silent
 from brdfit.report.rgb import Conversion, rgb_table
 from brdfit.table import Table
+from brdfit.versions import version_of
 
 __all__ = ["SUFFIXES", "TARGETS", "Exported", "Target", "target_of", "write_export"]
 
@@ -95,15 +96,9 @@ def write_export(
 
 
 def _provenance(table: Table, settings: AnalyticSettings) -> dict[str, Any]:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        found = version("brdfit")
-    except PackageNotFoundError:
-        found = "from a source tree"
     source = table.source
     return {
-        "generator": f"brdfit {found}",
+        "generator": f"brdfit {version_of()}",
         "source": {"name": source.name, "format": source.format, "sha256": source.sha256},
         "settings": asdict(settings),
     }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import platform
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar, Protocol
@@ -23,6 +22,7 @@ from brdfit.reconstruct.targets import Targets
 from brdfit.reconstruct.trust import TrustMap
 from brdfit.samples import Samples, Source
 from brdfit.table import Table
+from brdfit.versions import versions_of
 
 __all__ = [
     "Method",
@@ -181,7 +181,7 @@ class Reconstruction(Shown):
                 "after": _summary(self.residuals),
                 "after_without_outliers": _summary(self.residuals[~self.outliers]),
             },
-            "versions": _versions(),
+            "versions": versions_of("brdfit", "numpy", "scipy"),
         }
 
 
@@ -249,15 +249,3 @@ def _summary(residuals: FloatArray) -> dict[str, float | int | None]:
         "mean_abs": float(size.mean()),
         "rms": float(np.sqrt(np.mean(size**2))),
     }
-
-
-def _versions() -> dict[str, str]:
-    from importlib.metadata import PackageNotFoundError, version
-
-    versions = {"python": platform.python_version()}
-    for name in ("brdfit", "numpy", "scipy"):
-        try:
-            versions[name] = version(name)
-        except PackageNotFoundError:
-            versions[name] = "not installed"  # run from a source tree
-    return versions

@@ -14,7 +14,6 @@ import shutil
 import threading
 from collections.abc import Callable
 from dataclasses import replace
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -30,6 +29,7 @@ from brdfit.report.reading_options import typed_options
 from brdfit.report.rgb import needs_rgb, rgb_table
 from brdfit.samples import Samples
 from brdfit.table import Table
+from brdfit.versions import version_of
 from brdfit.viewer.describe import reading_settings, writable
 from brdfit.viewer.environment import environment_from
 from brdfit.viewer.item import Item
@@ -123,7 +123,7 @@ class Workbench:
     def home(self) -> Home:
         """Return what the page asks for first."""
         return Home(
-            version=_version(),
+            version=version_of(),
             entries=[item.id for item in self.store.opened],
             jobs=list(self._first_jobs),
             methods=self._methods,
@@ -280,10 +280,3 @@ def _row(name: str, where: str, value: float) -> MetricRow:
         unit=metric.unit,
         higher_is_better=metric.higher_is_better,
     )
-
-
-def _version() -> str:
-    try:
-        return version("brdfit")
-    except PackageNotFoundError:
-        return "source tree"

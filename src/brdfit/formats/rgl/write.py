@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ from brdfit.formats.rgl.tabulate import Resolution, tabulated
 from brdfit.formats.xyz import refuse_other_channels
 from brdfit.samples import Source
 from brdfit.table import Table
+from brdfit.versions import version_of
 
 __all__ = ["LADDER", "write_table"]
 
@@ -92,11 +92,7 @@ def _labelled(measurement: Measurement, table: Table) -> Measurement:
 
 
 def _description(source: Source) -> str:
-    try:
-        writer = f"brdfit {version('brdfit')}"
-    except PackageNotFoundError:  # a source tree that was never installed
-        writer = "brdfit"
     name = source.metadata.get("description") or source.name
     origin = f" from {source.name}" if name != source.name else ""
     digest = f", SHA-256 {source.sha256}" if source.sha256 else ""
-    return f"{name} (written by {writer}{origin}{digest})"
+    return f"{name} (written by brdfit {version_of()}{origin}{digest})"

@@ -12,6 +12,7 @@ from typing import Any
 from brdfit.physics import Verdict
 from brdfit.report.page.contents import Contents
 from brdfit.report.page.pictures import MOST_DIFFERENT
+from brdfit.versions import version_of
 
 __all__ = ["page_of"]
 
@@ -38,7 +39,7 @@ def page_of(contents: Contents) -> str:
         c=_with_markup(contents),
         marks=_MARKS,
         most_different=f"{MOST_DIFFERENT:g}",
-        version=_version(),
+        version=version_of(),
         style=Markup(style),
         style_hash=_policy_hash(style),
         script=Markup(script),
@@ -99,12 +100,3 @@ def _script_json(data: dict[str, Any]) -> str:
     for character in "<>&":
         text = text.replace(character, f"\\u{ord(character):04x}")
     return text
-
-
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("brdfit")
-    except PackageNotFoundError:
-        return "from a source tree"
