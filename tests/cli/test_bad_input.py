@@ -186,3 +186,10 @@ def test_a_folder_as_input_is_an_error(run: Run, constant: type, tmp_path: Path)
     code, _, err = run("fit", tmp_path, "-o", tmp_path / "out.binary")
     assert code == 1
     assert "folder" in err
+
+
+def test_samples_where_a_table_is_wanted_are_to_be_fitted_first(run: Run, tmp_path: Path) -> None:
+    samples = _glossy(tmp_path / "glossy.csv")
+    code, _, err = run("render", samples, "-o", tmp_path / "picture.png")
+    assert code == 2
+    assert "Fit it first, with `brdfit fit`" in err

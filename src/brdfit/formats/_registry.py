@@ -134,6 +134,8 @@ class _Kind:
 
     noun: str
     other: str
+    advice: str
+    """What to do with a file that only holds the other."""
 
     def reader(self, sheet: FormatSheet) -> Callable[..., Any] | None:
         return getattr(sheet, f"read_{self.noun}")  # type: ignore[no-any-return]
@@ -142,8 +144,12 @@ class _Kind:
         return getattr(sheet, f"write_{self.noun}")  # type: ignore[no-any-return]
 
 
-_SAMPLES = _Kind("samples", "table")
-_TABLE = _Kind("table", "samples")
+_SAMPLES = _Kind("samples", "table", "Read it with brdfit.read_table.")
+_TABLE = _Kind(
+    "table",
+    "samples",
+    "Fit it first, with `brdfit fit`; in Python, read it with brdfit.read_samples.",
+)
 
 
 def _read(path: Path, format: str | None, options: dict[str, Any], kind: _Kind) -> Any:
@@ -172,7 +178,7 @@ def _call(sheet: FormatSheet, path: Path, options: dict[str, Any], kind: _Kind) 
     if reader is None:
         raise UsageError(
             f"{path.name}: found {sheet.title}, which holds {kind.other} but no {kind.noun}. "
-            f"Read it with brdfit.read_{kind.other}."
+            f"{kind.advice}"
         )
     _check_options(sheet, options)
     try:

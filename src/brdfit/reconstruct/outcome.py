@@ -29,14 +29,15 @@ class Outcome(enum.Enum):
 
 
 _ADVICE = {
-    Outcome.CONVERGED: "The correction became constant: more iterations would change nothing.",
+    Outcome.CONVERGED: "The fit came to rest: more iterations would change nothing.",
     Outcome.NO_IMPROVEMENT: (
         "Further corrections stopped bringing the estimate nearer to the samples; the nearest "
         "iterate was kept."
     ),
     Outcome.ITERATION_LIMIT: (
-        "The iteration limit came before the correction settled. Allow more iterations, or look "
-        "at the residuals: the material may lie outside what the population can express."
+        "The iteration limit came before the fit settled. Allow more iterations where the method "
+        "has that setting, and look at the residuals: the material may lie outside what the "
+        "population can express, or its noise may differ from place to place."
     ),
     Outcome.DIRECT: "Solved in one step; there is nothing to iterate.",
     Outcome.TOO_FEW_SAMPLES: (

@@ -66,8 +66,8 @@ def add_method_options(parser: Parser, rest: Sequence[str]) -> None:
         "--basis",
         default="published",
         metavar="NAME|PATH",
-        help="Population to lean on: published, a folder of MERL .binary files or a zip of decoded "
-        "networks (default: published).",
+        help="Population to lean on: published, embedded, synthetic, nbrdf, a folder of MERL "
+        ".binary files, or a zip of networks (default: published).",
     )
     parser.add_argument(
         "--without",
@@ -170,10 +170,10 @@ def result_lines(result: Reconstruction) -> list[str]:
     before, now, clean = (
         record["residuals"][key] for key in ("before", "after", "after_without_outliers")
     )
-    lines.append(
-        f"  residuals   median |ln(value / result)| {_number(before)} before, {_number(now)} after "
-        f"({_number(clean)} without the outliers)"
-    )
+    # A method without an initial estimate has nothing to be compared with.
+    course = _number(now) if before == now else f"{_number(before)} before, {_number(now)} after"
+    without = f"({_number(clean)} without the outliers)"
+    lines.append(f"  residuals   median |ln(value / result)| {course} {without}")
     return lines
 
 
