@@ -30,14 +30,13 @@ from brdfit.populations.store import stored_cells
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.correction_basis import training_cells
 from brdfit.reconstruct.members import MemberRows
+from brdfit.reconstruct.posterior.prior import BRIGHTNESS
 from brdfit.reconstruct.posterior.residual import LocalResidual, Scale
 from brdfit.reconstruct.result import population_record
 from brdfit.table import Table
 
-__all__ = ["BRIGHTNESS", "LeadingBasis", "leading_basis"]
+__all__ = ["LeadingBasis", "leading_basis"]
 
-BRIGHTNESS = 2.0
-"""tau: standard deviation of the unknown scale, in ln f_r."""
 # Raise it when the table of the same population would change.
 _VERSION = 2
 # Where the components are kept: as fine as the MERL grid along theta_h, where lobes are narrow.

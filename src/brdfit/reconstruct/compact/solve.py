@@ -14,7 +14,8 @@ and with probability pi a row is an outlier, whose values know of no prediction.
 
 The first steps use the leading features only: they tell the outliers, cheaply. An item that has
 come to rest is not touched again, whatever its neighbours do: the answer of an item does not
-depend on the block it is in. (`robust.mixture` and `linalg.gaussian` say the same of one item.)
+depend on the block it is in. `linalg.gaussian` says the same of one item, and so does
+`robust.mixture` but for a second kind of outlier, the value times a factor, which this has not.
 
 Written against the Python array API standard (2023.12 with the linear algebra extension).
 Arrays of one library go in, arrays of the same library come out.

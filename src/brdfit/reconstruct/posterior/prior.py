@@ -18,7 +18,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray
 
-__all__ = ["PopulationPrior", "closer", "population_prior"]
+__all__ = ["BRIGHTNESS", "PopulationPrior", "closer", "population_prior"]
 
 BRIGHTNESS = 2.0
 """tau: standard deviation of the unknown scale, in ln f_r."""
