@@ -10,6 +10,7 @@ import pytest
 
 import brdfit
 from brdfit.errors import UsageError
+from brdfit.geometry import directions_from_half_diff
 from brdfit.grid import Grid
 from brdfit.reconstruct import Reconstruction
 from brdfit.report.fit_outputs import FitPaths, write_fit
@@ -187,6 +188,18 @@ def test_a_table_alone_says_what_is_not_known(bench: Workbench, lobe: Reconstruc
     with pytest.raises(UsageError, match="no samples"):
         trust_message(item, 90.0)
     assert item.slice(30.0, 180.0).curves[0].low is None
+
+
+def test_the_trust_map_of_a_fit_at_hand_is_its_own(bench: Workbench, lobe: Reconstruction) -> None:
+    bench.open(lobe)
+    plane = trust_message(bench.store.item("e1"), 90.0)
+    theta_d, theta_h = np.meshgrid(
+        np.radians(plane.theta_d), np.radians(plane.theta_h), indexing="ij"
+    )
+    wi, wo = directions_from_half_diff(theta_h, theta_d, np.full(theta_h.shape, np.pi / 2))
+    own = lobe.trust(wi.reshape(-1, 3), wo.reshape(-1, 3)).reshape(theta_h.shape)
+    assert np.mean(own == np.array(plane.code)) > 0.99  # cells on a border may round either way
+    assert plane.definition == lobe.trust_map.definition
 
 
 def test_the_trust_map_has_every_share_and_marks_where_samples_are(

@@ -69,23 +69,23 @@ class Item:
     @property
     def in_colour(self) -> tuple[Table, Conversion]:
         """The table as it is shown, and how it came to its colours."""
-        return self._once("in_colour", lambda: rgb_table(self.table))
+        return self.once("in_colour", lambda: rgb_table(self.table))
 
     @property
     def packed(self) -> PackedTable:
         """The table as it travels."""
-        return self._once("packed", lambda: PackedTable.of(self.rgb))
+        return self.once("packed", lambda: PackedTable.of(self.rgb))
 
     @property
     def albedo(self) -> tuple[FloatArray, FloatArray]:
         """(cosine (k,), directional albedo (k, 3)): what an even surround adds."""
-        return self._once("albedo", lambda: (_ALBEDO_COSINE, _albedo(self.rgb)))
+        return self.once("albedo", lambda: (_ALBEDO_COSINE, _albedo(self.rgb)))
 
     @property
     def reach(self) -> Reach | None:
         """How far any direction is from a sample; None where no samples are known."""
         judged = self.fitted.judged
-        return None if judged is None else self._once("reach", lambda: Reach(judged.samples))
+        return None if judged is None else self.once("reach", lambda: Reach(judged.samples))
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (n, channels): of the fit where it is at hand, else of the table."""
@@ -121,7 +121,7 @@ class Item:
 
     @property
     def _drawn(self) -> tuple[Samples | None, BoolArray | None]:
-        return self._once("drawn", lambda: drawn_samples(self.fitted))
+        return self.once("drawn", lambda: drawn_samples(self.fitted))
 
     def ahead(self) -> None:
         """Work out what the page asks for next: bands take their time to become R, G, B."""
@@ -133,7 +133,8 @@ class Item:
         """The record of the fit; empty if it is not known."""
         return dict(self.fitted.record)
 
-    def _once(self, name: str, make: Callable[[], _T]) -> _T:
+    def once(self, name: str, make: Callable[[], _T]) -> _T:
+        """Return what `make` made the first time that `name` was asked for."""
         # Two tabs that ask at once wait for one piece of work, not for two, nor for another.
         with self._lock:
             lock = self._locks.setdefault(name, threading.Lock())
