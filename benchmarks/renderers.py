@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import qmc
 
 import brdfit
 import brdfit.mitsuba
@@ -40,7 +41,7 @@ SEED = 1
 PAIRS = 40_000
 LIMITS = (80.0, 87.0)
 INCIDENCES = (0.0, 20.0, 40.0, 60.0, 75.0, 80.0)
-DRAWN = 1_000_000
+DRAWN = 2**20
 SIZE, FINE, RAYS, OURS = 64, 2, 1024, 256
 TIMED_SIZE, TIMED_RAYS, REPEATS = 256, 64, 3
 
@@ -121,7 +122,8 @@ def _weights(source: Table, bsdf: Any) -> Record:
     mi = _mitsuba()
     angles = np.deg2rad(INCIDENCES)
     expected = directional_albedo(source, angles, rings=240, spokes=48)
-    points = np.random.default_rng(SEED).uniform(size=(3, DRAWN)).astype(np.float32)
+    # Scrambled Sobol points: with as many random ones the mean of a dark channel scatters by 3 %.
+    points = qmc.Sobol(3, rng=SEED).random(DRAWN).astype(np.float32).T
     found = []
     for angle in angles:
         wi = np.array([np.sin(angle), 0.0, np.cos(angle)])
@@ -206,8 +208,9 @@ def page(records: dict[str, Record]) -> str:
         table([Column("file"), *(Column(title, True) for title in shown)], rows).rstrip(),
         f"80°, 87°: mean |delta ln f| of `measured` against the table, {PAIRS:,} pairs even over "
         f"solid angle, no farther from the normal. weights: mean weight of {DRAWN:,} directions "
-        f"that `measured` draws against the directional albedo, the worst of "
-        f"{len(INCIDENCES)} incidences ({', '.join(f'{a:.0f}' for a in INCIDENCES)} degrees) and "
+        f"that `measured` draws from scrambled Sobol points, against the directional albedo, the "
+        f"worst of {len(INCIDENCES)} incidences "
+        f"({', '.join(f'{a:.0f}' for a in INCIDENCES)} degrees) and "
         f"three channels, relative to the channel's albedo; of brightest: relative to that of the "
         f"brightest channel. Mean CIEDE2000 of spheres of {SIZE} x {SIZE} pixels under studio.exr, "
         f"{RAYS} rays a pixel: `measured` against our plugin, our own preview ({OURS} directions, "

@@ -263,7 +263,7 @@ def page(found: Record) -> str:
             "Made by `python benchmarks/viewer.py --data DIR`, which says what is measured.",
             f"{machine['cores']} cores, load average {load}, Chromium "
             f"{machine['browser']}, headless, WebGL2 in software. Seconds: median (least to "
-            "most) of all openings; other work ran beside.",
+            "most) of all openings.",
             "",
             _openings(found["openings"]),
             "",
