@@ -1,4 +1,4 @@
-"""Inverses of many small positive definite matrices: numpy's, by halves, compiled.
+"""Inverses of many small positive definite matrices, times three vectors each: three ways.
 
     python benchmarks/definite.py [-o benchmarks/results/definite.json]
 
@@ -18,7 +18,7 @@ from array_api_compat import numpy as xp
 
 from brdfit.bench.ledger import versions
 from brdfit.files import atomic_path
-from brdfit.linalg import inverse_by_halves, one_thread, sweep_if_compiled
+from brdfit.linalg import inverse_by_halves, one_thread, solved, sweep_if_compiled
 
 COUNT = 256
 
@@ -34,13 +34,13 @@ def main() -> None:
     for size in (13, 33, 41, 49):
         a = rng.normal(size=(COUNT, size, 2 * size))
         a = a @ a.transpose(0, 2, 1) + np.eye(size)
-        ways: dict[str, Callable[[np.ndarray], np.ndarray]] = {
-            "numpy.linalg.inv": np.linalg.inv,
-            "by halves": lambda a: inverse_by_halves(xp, a),
+        right = rng.normal(size=(COUNT, 3, size))
+        ways: dict[str, Callable[[np.ndarray], object]] = {
+            "numpy.linalg.inv": lambda a, r=right: r @ np.linalg.inv(a),
+            "by halves": lambda a, r=right: r @ inverse_by_halves(xp, a),
         }
-        sweep = sweep_if_compiled()
-        if sweep is not None:
-            ways["compiled"] = sweep
+        if sweep_if_compiled() is not None:
+            ways["compiled"] = lambda a, r=right: solved(xp, a, r)
         with one_thread():
             found = {name: round(fastest(way, a) / COUNT * 1e6, 1) for name, way in ways.items()}
         records.append({"size": size, **found})
@@ -50,7 +50,7 @@ def main() -> None:
         aside.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
 
 
-def fastest(way: Callable[[np.ndarray], np.ndarray], a: np.ndarray) -> float:
+def fastest(way: Callable[[np.ndarray], object], a: np.ndarray) -> float:
     """Return the shortest of twenty processor times, seconds."""
     way(a)
     found = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from brdfit.linalg.definite import inverse_by_halves, inverses, sweep_if_compiled
+from brdfit.linalg.definite import inverse_by_halves, solved, sweep_if_compiled
 from brdfit.linalg.gaussian import CoefficientPosterior, LeftOut
 from brdfit.linalg.normal_equations import (
     NormalEquations,
@@ -11,6 +11,7 @@ from brdfit.linalg.normal_equations import (
     ridge,
     ridge_with_intercept,
 )
+from brdfit.linalg.packed import Triangle
 from brdfit.linalg.threads import one_thread
 
 __all__ = [
@@ -18,11 +19,12 @@ __all__ = [
     "LeftOut",
     "NormalEquations",
     "RidgeFit",
+    "Triangle",
     "inverse_by_halves",
-    "inverses",
     "nonnegative",
     "one_thread",
     "ridge",
     "ridge_with_intercept",
+    "solved",
     "sweep_if_compiled",
 ]

@@ -1,4 +1,4 @@
-"""Inverses of very many small positive definite matrices.
+"""Inverses of very many small positive definite matrices, and what they make of vectors.
 
 `inverse_by_halves` is the definition: array operations of any library. With S the Schur
 complement of the upper left block P of [[P, Q], [Q^T, R]] and T = P^-1 Q,
@@ -6,9 +6,8 @@ complement of the upper left block P of [[P, Q], [Q^T, R]] and T = P^-1 Q,
     inverse = [[P^-1 + T S^-1 T^T, -T S^-1], [-S^-1 T^T, S^-1]]
 
 LAPACK's elimination is made for large matrices; of small ones the products cost less. Where
-numba is installed, numpy's many are inverted by a compiled sweep (Gauss-Jordan without pivots,
-which a positive definite matrix does not need): a third of the time of `numpy.linalg.inv`
-and half of that of the products (`benchmarks/definite.py`).
+numba is installed, numpy's many are inverted by compiled loops (`sweep`), in a fraction of the
+time (`benchmarks/definite.py`).
 """
 
 from __future__ import annotations
@@ -19,20 +18,38 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["inverse_by_halves", "inverses", "sweep_if_compiled"]
+from brdfit.linalg.packed import Triangle
+
+__all__ = ["inverse_by_halves", "solved", "sweep_if_compiled"]
 
 # Matrices up to this size are inverted at once; fewer than so many do not repay a compilation.
-_SMALL, _MANY = 16, 32
+_SMALL, _MANY = 16, 4
 
 
-def inverses(xp: Any, a: Any) -> Any:
-    """Return the inverses of positive definite matrices (..., k, k) of the library `xp`."""
-    if isinstance(a, np.ndarray) and a.ndim > 2 and a.size >= _MANY * a.shape[-1] ** 2:
+def solved(xp: Any, a: Any, right: Any, packed: bool = False) -> tuple[Any, Any]:
+    """Return the inverses of positive definite matrices and their products with vectors.
+
+    `a` is (..., k, k) or, `packed`, (..., p) as `Triangle` has it, of the library `xp`, and so
+    is the inverse; `right` (..., m, k) are m vectors for each, and so is what becomes of them.
+    """
+    k = right.shape[-1]
+    if isinstance(a, np.ndarray) and right.size >= _MANY * right.shape[-2] * k:
         sweep = sweep_if_compiled()
         if sweep is not None:
-            k = a.shape[-1]
-            return sweep(np.ascontiguousarray(a).reshape(-1, k, k)).reshape(a.shape)
-    return inverse_by_halves(xp, a)
+            return _swept(sweep, a, right, packed)
+    inverse = inverse_by_halves(xp, Triangle.of(k).unpack(xp, a) if packed else a)
+    solution = xp.matmul(right, inverse)
+    return (Triangle.of(k).pack(xp, inverse) if packed else inverse), solution
+
+
+def _swept(
+    sweep: Callable[..., None], a: np.ndarray, right: np.ndarray, packed: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    vectors = np.ascontiguousarray(right).reshape(-1, *right.shape[-2:])
+    flat = np.ascontiguousarray(a).reshape(len(vectors), -1)
+    inverse, solution = np.empty_like(flat), np.empty_like(vectors)
+    sweep(flat, vectors, packed, inverse, solution)
+    return inverse.reshape(a.shape), solution.reshape(right.shape)
 
 
 def inverse_by_halves(xp: Any, a: Any) -> Any:
@@ -53,37 +70,10 @@ def inverse_by_halves(xp: Any, a: Any) -> Any:
 
 
 @lru_cache(maxsize=1)
-def sweep_if_compiled() -> Callable[[np.ndarray], np.ndarray] | None:
-    """Return the compiled inverse of float64 (b, k, k); None without numba."""
+def sweep_if_compiled() -> Callable[..., None] | None:
+    """Return the compiled `sweep.solve_each`; None without numba."""
     try:
-        import numba
+        from brdfit.linalg.sweep import solve_each
     except ImportError:
         return None
-    try:
-        compiled = numba.njit(cache=True)(_sweep)
-    except RuntimeError:  # there is nowhere to keep what was compiled
-        compiled = numba.njit(_sweep)
-    return compiled  # type: ignore[no-any-return]
-
-
-def _sweep(a: np.ndarray) -> np.ndarray:
-    """Sweep every pivot of each matrix in turn; what is left is the inverse."""
-    count, k, _ = a.shape
-    result = a.copy()
-    row = np.empty(k)
-    for b in range(count):
-        m = result[b]
-        for p in range(k):
-            pivot = 1.0 / m[p, p]
-            for j in range(k):
-                row[j] = m[p, j] * pivot
-            for i in range(k):
-                if i != p:
-                    factor = m[i, p]
-                    for j in range(k):
-                        m[i, j] -= factor * row[j]
-                    m[i, p] = -factor * pivot
-            for j in range(k):
-                m[p, j] = row[j]
-            m[p, p] = pivot
-    return result
+    return solve_each  # type: ignore[no-any-return]

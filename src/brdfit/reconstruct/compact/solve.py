@@ -36,7 +36,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from brdfit.linalg import inverses
+from array_api_compat import array_namespace, device
+
+from brdfit.reconstruct.compact.products import Products, products_of
 
 __all__ = ["Items", "Search", "Solution", "solve"]
 
@@ -52,6 +54,8 @@ _SETTLED, _SAME_WIDTH = 1e-2, 0.02
 _LOG_TWO_PI = math.log(2.0 * math.pi)
 # Below this share of items still moving, those at rest are set aside.
 _CROWDED = 0.7
+# ln odds of an outlier beyond which nobody doubts; axes so short that a loop adds them faster.
+_HOPELESS, _SHORT = 500.0, 8
 
 
 @dataclass(frozen=True)
@@ -139,8 +143,6 @@ class Solution:
 
 def solve(items: Items, search: Search) -> Solution:
     """Return the solution of every item."""
-    from array_api_compat import array_namespace
-
     xp = array_namespace(items.y)
     start = _start(xp, items)
     if search.coarse_features < items.features.shape[-1]:
@@ -153,8 +155,8 @@ def _start(xp: Any, items: Items) -> Solution:
     """Believe everybody."""
     b, g, m, _ = items.y.shape
     rows = xp.max(items.known, axis=(1, 2))
-    one = xp.ones(b, dtype=items.y.dtype)
-    nothing = xp.zeros((b, g, m, items.features.shape[-1]), dtype=items.y.dtype)
+    like: dict[str, Any] = {"dtype": items.y.dtype, "device": device(items.y)}
+    one, nothing = xp.ones(b, **like), xp.zeros((b, g, m, items.features.shape[-1]), **like)
     return Solution(nothing, rows, WIDE * one, _SHARE * one, one, 0.0 * one, one < 0.0)
 
 
@@ -163,12 +165,14 @@ def _run(xp: Any, items: Items, start: Solution, steps: int) -> Solution:
     z = _resized(xp, start.coefficients, items.features.shape[-1])
     nobody = start.steps < 0.0
     now = replace(start, coefficients=z, steps=0.0 * start.steps, settled=nobody)
-    index = xp.arange(items.y.shape[0])
-    products = _Products.of(xp, items)
+    index = xp.arange(items.y.shape[0], device=device(items.y))
+    products, known = _asked(xp, items)
     parts: list[Solution] = []
     places: list[Array] = []
+    moving = index.shape[0]
     for step in range(1, steps + 1):
-        now = _kept(xp, now.settled, now, _step(xp, items, products, now))
+        fresh = _step(xp, items, products, known, now)
+        now = fresh if moving == index.shape[0] else _kept(xp, now.settled, now, fresh)
         moving = int(xp.sum(xp.astype(~now.settled, xp.int64)))
         if moving == 0 or step == steps:
             break
@@ -178,152 +182,149 @@ def _run(xp: Any, items: Items, start: Solution, steps: int) -> Solution:
             places.append(xp.take(index, rest, axis=0))
             items, now = items.take(xp, on), now.take(xp, on)
             index = xp.take(index, on, axis=0)
-            products = products if items.shared else _Products.of(xp, items)
+            products, known = _asked(xp, items, products)
     order = xp.argsort(xp.concat([*places, index]))
     joined = _joined(xp, [*parts, now])
     return joined.take(xp, order)
 
 
-@dataclass(frozen=True, eq=False)
-class _Products:
-    """Phi, and of shared directions phi_i phi_i^T, flat: one product then serves all items."""
-
-    features: Array
-    outer: Array | None
-
-    @classmethod
-    def of(cls, xp: Any, items: Items) -> _Products:
-        phi = items.features
-        if not items.shared:
-            return cls(phi[:, None, :, :], None)
-        n, k = phi.shape
-        return cls(phi, xp.reshape(phi[:, :, None] * phi[:, None, :], (n, k * k)))
-
-    def gram(self, xp: Any, weights: Array) -> Array:
-        """Phi^T W Phi (b, g, k, k) of weights (b, g, n)."""
-        b, g, n = weights.shape
-        k = self.features.shape[-1]
-        if self.outer is None:
-            weighted = self.features * weights[..., None]
-            return xp.matmul(xp.permute_dims(weighted, (0, 1, 3, 2)), self.features)
-        return xp.reshape(xp.reshape(weights, (b * g, n)) @ self.outer, (b, g, k, k))
-
-    def moment(self, xp: Any, y: Array) -> Array:
-        """Phi^T y (b, g, m, k) of weighted values (b, g, m, n)."""
-        if self.outer is None:
-            return xp.matmul(y, self.features)
-        return self._flat(xp, y, self.features)
-
-    def fitted(self, xp: Any, z: Array) -> Array:
-        """Phi z (b, g, m, n) of coefficients (b, g, m, k)."""
-        if self.outer is None:
-            return xp.matmul(z, xp.permute_dims(self.features, (0, 1, 3, 2)))
-        return self._flat(xp, z, xp.permute_dims(self.features, (1, 0)))
-
-    def variance(self, xp: Any, inverse: Array) -> Array:
-        """phi_i^T A^-1 phi_i (b, g, n) of inverses (b, g, k, k)."""
-        if self.outer is None:
-            return xp.sum(xp.matmul(self.features, inverse) * self.features, axis=-1)
-        b, g, k, _ = inverse.shape
-        flat = xp.reshape(inverse, (b * g, k * k)) @ xp.permute_dims(self.outer, (1, 0))
-        return xp.reshape(flat, (b, g, self.features.shape[0]))
-
-    @staticmethod
-    def _flat(xp: Any, array: Array, matrix: Array) -> Array:
-        b, g, m, inner = array.shape
-        product = xp.reshape(array, (b * g * m, inner)) @ matrix
-        return xp.reshape(product, (b, g, m, matrix.shape[1]))
+def _asked(xp: Any, items: Items, before: Products | None = None) -> tuple[Products, _Known | None]:
+    """Return what every step asks of items; what is known hangs on the step where bounds are."""
+    products = before if before and items.shared else None
+    products = products or products_of(xp, items.features, items.spread)
+    return products, None if items.bounded else _Known.of(xp, items, items.known)
 
 
-def _step(xp: Any, items: Items, products: _Products, now: Solution) -> Solution:
+def _step(
+    xp: Any, items: Items, products: Products, known: _Known | None, now: Solution
+) -> Solution:
     """One round of the four equations above, for every item."""
     variance = (now.width**2)[:, None] + items.scatter
-    known = items.known
-    if items.bounded:  # a bound that the last prediction respects has nothing to say
-        respected = products.fitted(xp, now.coefficients) <= items.y
-        known = known * (1.0 - items.bound * xp.astype(respected, known.dtype))
-    weights = (now.responsibility / variance)[:, None, :] * _of_group(items, known)
-    k = items.features.shape[-1]
-    inverse = inverses(xp, products.gram(xp, weights) + xp.eye(k, dtype=known.dtype))
-    z = xp.matmul(products.moment(xp, weights[:, :, None, :] * items.y), inverse)
-    h = products.variance(xp, inverse)
-    others, spread = _left_out(xp, items.y, products.fitted(xp, z), weights, h)
-    spread = spread + variance[:, None, :]
-    judged = _judge(xp, items, known, now.share, items.y - others, spread)
+    known = known or _heard(xp, items, products.fitted(xp, now.coefficients))
+    weights = known.only((now.responsibility / variance)[:, None, :])
+    inverse, z = products.solved(xp, weights, items.y)
+    size, width = _left_out(
+        xp,
+        _sum(xp, (items.y - products.fitted(xp, z)) ** 2, 2),
+        products.variance(xp, inverse),
+        weights,
+        variance[:, None, :],
+    )
+    judged = _judge(xp, known, now.share, size, width)
     moved = xp.max(xp.abs(judged.responsibility - now.responsibility), axis=1)
-    width = _width(xp, now.width, judged)
-    same = xp.abs(width / now.width - 1.0) < _SAME_WIDTH
+    found = _width(xp, now.width, judged)
+    same = xp.abs(found / now.width - 1.0) < _SAME_WIDTH
     return Solution(
         z,
         judged.responsibility,
-        width,
-        (xp.sum(judged.rows - judged.responsibility, axis=1) + _PRIOR_WRONG)
-        / (xp.sum(judged.rows, axis=1) + _PRIOR_WRONG + _PRIOR_RIGHT),
-        _deviation(xp, inverse, items.spread),
+        found,
+        (known.rows - judged.believed + _PRIOR_WRONG)
+        / (known.rows + (_PRIOR_WRONG + _PRIOR_RIGHT)),
+        xp.sqrt(xp.mean(products.spread(xp, inverse), axis=1)),
         now.steps + 1.0,
         (moved < _SETTLED) & same,
     )
 
 
-def _deviation(xp: Any, inverse: Array, spread: Array) -> Array:
-    """Return (b,): root mean square of sqrt(phi^T A^-1 phi) over what `spread` averages."""
-    b, g, k, _ = inverse.shape
-    variance = xp.reshape(inverse, (b * g, k * k)) @ xp.reshape(spread, (k * k,))
-    return xp.sqrt(xp.mean(xp.reshape(variance, (b, g)), axis=1))
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """What is known of every row, and how likely it is of an outlier."""
+
+    channels: int
+    """m"""
+    row: Array
+    """(b, n) 1 where anything is known of a row."""
+    rows: Array
+    """(b,) how many"""
+    group: Array | None
+    """(b, g, n) 1 where the group is known; its channels know alike. None: everywhere."""
+    part: Array | float
+    """(b, n) or a number: what a known channel counts among those of its row."""
+    log_wrong: Array
+    """(b, n) mean over what is known of the ln density of an outlier"""
+
+    @classmethod
+    def of(cls, xp: Any, items: Items, known: Array) -> _Known:
+        """Return what is known where `known` (b, g, m, n) is 1."""
+        b, g, m, n = items.y.shape
+        if items.complete:
+            part = 1.0 / (g * m)
+            row = xp.ones((b, n), dtype=items.y.dtype, device=device(items.y))
+            return cls(m, row, xp.sum(row, axis=1), None, part, part * _all(xp, items.background))
+        count = _all(xp, known)
+        row = xp.astype(count > 0.0, items.y.dtype)
+        part = row / (count + (1.0 - row))
+        log_wrong = part * _all(xp, known * items.background)
+        return cls(m, row, xp.sum(row, axis=1), known[:, :, 0, :], part, log_wrong)
+
+    def only(self, array: Array) -> Array:
+        """Return an array (b, g or 1, n) with 0 where the group is not known: (b, g, n)."""
+        return array if self.group is None else self.group * array
+
+    def mean(self, xp: Any, array: Array) -> Array:
+        """Return the mean (b, n) over known channels of sums over those of a group (b, g, n)."""
+        return self.part * _sum(xp, self.only(array), 1)
 
 
-def _of_group(items: Items, known: Array) -> Array | float:
-    """(b, g, n): what the group knows; its channels know alike."""
-    return 1.0 if items.complete else known[:, :, 0, :]
+def _heard(xp: Any, items: Items, prediction: Array) -> _Known:
+    """Return what is known but for bounds that a prediction respects: they have nothing to say."""
+    respected = xp.astype(prediction <= items.y, items.known.dtype)
+    return _Known.of(xp, items, items.known * (1.0 - items.bound * respected))
 
 
-def _left_out(xp: Any, y: Array, fitted: Array, weights: Array, h: Array) -> tuple[Array, Array]:
-    """Return what the other rows say: mean (b, g, m, n), variance (b, g, n) without noise."""
-    kept = 1.0 - weights * h
-    kept = xp.where(kept > 1e-9, kept, 1e-9 + 0.0 * kept)
-    pulled = (weights * h / kept)[:, :, None, :]
-    return fitted - pulled * (y - fitted), h / kept
+def _left_out(
+    xp: Any, squared: Array, h: Array, weights: Array, variance: Array
+) -> tuple[Array, Array]:
+    """Return, as the other rows have it, squared residuals over their variance, and variance.
+
+    `squared` are those of the fit itself: with w h = p, leaving a row out divides its residual
+    by 1 - p and makes the variance of what is said of it h / (1 - p).
+    """
+    left = 1.0 - weights * h
+    left = xp.where(left > 1e-9, left, 1e-9 + 0.0 * left)
+    width = h / left + variance
+    return squared / (left * left * width), width
 
 
 @dataclass(frozen=True, eq=False)
 class _Judged:
-    rows: Array
-    """(b, n) 1 where anything is known of a row."""
     responsibility: Array
+    """(b, n)"""
+    believed: Array
+    """(b,) its sum"""
     size: Array
-    """(b, n) squared residual over its variance, mean over what is known."""
+    """(b, n) squared residual over its variance, mean over what is known"""
 
 
-def _judge(
-    xp: Any, items: Items, known: Array, share: Array, residual: Array, spread: Array
-) -> _Judged:
-    """Judge residuals (b, g, m, n) of variance (b, g, n), noise included."""
-    size, width = residual**2 / spread[:, :, None, :], xp.log(spread) + _LOG_TWO_PI
-    if items.complete:
-        rows, mean_size = xp.ones(spread[:, 0, :].shape, dtype=size.dtype), _mean(xp, size)
-        log_normal, log_wrong = mean_size + width[:, 0, :], _mean(xp, items.background)
-    else:
-        count = xp.sum(known, axis=(1, 2))
-        rows = xp.astype(count > 0.0, known.dtype)
-        count = count + (1.0 - rows)
-        mean_size = xp.sum(known * size, axis=(1, 2)) / count
-        log_normal = mean_size + xp.sum(known * width[:, :, None, :], axis=(1, 2)) / count
-        log_wrong = xp.sum(known * items.background, axis=(1, 2)) / count
-    right = xp.log1p(-share)[:, None] - 0.5 * log_normal
-    wrong = xp.log(share)[:, None] + log_wrong
-    responsibility = rows * xp.exp(right - xp.logaddexp(right, wrong))
-    return _Judged(rows, responsibility, mean_size)
+def _judge(xp: Any, known: _Known, share: Array, size: Array, width: Array) -> _Judged:
+    """Judge rows by their size, summed over the m channels, and variance, both (b, g, n)."""
+    mean_size = known.mean(xp, size)
+    log_normal = mean_size + known.mean(xp, known.channels * xp.log(width)) + _LOG_TWO_PI
+    odds = xp.log(share) - xp.log1p(-share)
+    against = odds[:, None] + known.log_wrong + 0.5 * log_normal
+    against = xp.where(against < _HOPELESS, against, _HOPELESS + 0.0 * against)
+    responsibility = known.row / (1.0 + xp.exp(against))
+    return _Judged(responsibility, xp.sum(responsibility, axis=1), mean_size)
 
 
-def _mean(xp: Any, array: Array) -> Array:
-    """Return the mean over all channels (b, n), added one by one: the axes are short."""
-    parts = [array[:, g, m, :] for g in range(array.shape[1]) for m in range(array.shape[2])]
-    return sum(parts[1:], parts[0]) / len(parts)
+def _sum(xp: Any, array: Array, axis: int) -> Array:
+    """Return the sum along an axis, added one by one where it is short."""
+    count = array.shape[axis]
+    if count > _SHORT:
+        return xp.sum(array, axis=axis)
+    before = (slice(None),) * axis
+    parts = [array[(*before, i, ...)] for i in range(count)]
+    return sum(parts[1:], parts[0])
+
+
+def _all(xp: Any, array: Array) -> Array:
+    """Return the sum over all channels (b, n) of (b, g, m, n)."""
+    return _sum(xp, _sum(xp, array, 2), 1)
 
 
 def _width(xp: Any, width: Array, judged: _Judged) -> Array:
     """Return s (b,) for which left-out residuals are as large as they are said to be."""
-    believed = xp.sum(judged.responsibility, axis=1)
+    believed = judged.believed
     sure = xp.where(believed > 1e-9, believed, 1e-9 + 0.0 * believed)
     too_large = xp.sum(judged.responsibility * judged.size, axis=1) / sure
     total = believed * width**2 * xp.clip(too_large, 0.25, 4.0) + _IMAGINED * EXPECTED**2
@@ -347,7 +348,8 @@ def _resized(xp: Any, z: Array, count: int) -> Array:
     missing = count - z.shape[-1]
     if missing <= 0:
         return z[..., :count]
-    return xp.concat([z, xp.zeros((*z.shape[:-1], missing), dtype=z.dtype)], axis=-1)
+    zeros = xp.zeros((*z.shape[:-1], missing), dtype=z.dtype, device=device(z))
+    return xp.concat([z, zeros], axis=-1)
 
 
 def _joined(xp: Any, parts: list[Solution]) -> Solution:
