@@ -99,7 +99,7 @@ class Bench:
             took = Took.by(lambda c=count, s=store, w=workers: timed_run(self.table(c), s, w))
             found[f"workers_{workers}"] = took.rates(count)
         part = open_input(path).part(0, 4 * CHUNK)
-        own = own_directions(self.patch(CHUNK), CHUNK)
+        own = Block.of(self.patch(CHUNK).scattered(CHUNK))
         for name, block in (("core", part.block), ("core_own_directions", own)):
             took = min(Took.by(lambda b=block: method.fit_block(b, basis)) for _ in range(3))
             found[name] = took.rates(len(block))
@@ -269,16 +269,6 @@ def loop(method: Compact | Posterior, items: list[Samples]) -> None:
     """Fit one after the other."""
     for item in items:
         method.fit(item)
-
-
-def own_directions(patch: Patch, count: int) -> Block:
-    """Return items that share no directions; of their values only the number matters."""
-    value = patch.measured(0, count)
-    items = []
-    for point in range(count):
-        wi, wo = random_directions(patch.samples, point)
-        items.append(Samples(wi=wi, wo=wo, value=value[point]))
-    return Block.of(items)
 
 
 def error(logs: np.ndarray, truth: np.ndarray) -> dict[str, float]:

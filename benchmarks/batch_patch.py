@@ -58,13 +58,27 @@ class Patch:
     def measured(self, start: int, stop: int) -> FloatArray:
         """Return values (n, samples, 3) of points `start` to `stop`."""
         member, share = self.mixture(np.arange(start, stop))
-        rng = np.random.default_rng([self.seed, start])
         value = np.einsum("snkc,nk->nsc", self.members[:, member], share)
+        return self._spoiled(value, start)
+
+    def _spoiled(self, value: FloatArray, start: int) -> FloatArray:
+        """Return values (n, samples, 3) with noise and outliers; `start` seeds them."""
+        rng = np.random.default_rng([self.seed, start])
         value = np.maximum(value, 1e-5) * np.exp(0.02 * rng.normal(size=value.shape))
         order = np.argsort(rng.random(value.shape[:2]), axis=1)
         wrong = order < round(self.wrong * self.samples)
         factor = np.exp(rng.uniform(-np.log(10.0), np.log(10.0), wrong.shape))
         return value * np.where(wrong, factor, 1.0)[..., None]
+
+    def scattered(self, count: int) -> list[Samples]:
+        """Return the first points, each measured in directions of its own."""
+        pairs = [random_directions(self.samples, point) for point in range(count)]
+        value = np.empty((count, self.samples, 3))
+        for point, (member, share) in enumerate(zip(*self.mixture(np.arange(count)), strict=True)):
+            used = self.materials.evaluate(*pairs[point])[:, member].astype(np.float64)
+            value[point] = np.einsum("skc,k->sc", used, share)
+        value = self._spoiled(value, 0)
+        return [Samples(wi=wi, wo=wo, value=v) for (wi, wo), v in zip(pairs, value, strict=True)]
 
     def truth(self, points: np.ndarray, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (points, n, 3) at other directions."""

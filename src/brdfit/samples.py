@@ -319,18 +319,24 @@ def _like_value(name: str, given: npt.ArrayLike, shape: tuple[int, ...]) -> Floa
 def _flags(wi: FloatArray, wo: FloatArray, value: FloatArray) -> IntArray:
     finite_direction = np.isfinite(wi).all(axis=1) & np.isfinite(wo).all(axis=1)
     finite = np.isfinite(value)
-    flags = np.zeros(len(value), dtype=np.int64)
-    flags[~finite_direction | ~finite.any(axis=1)] |= int(Flag.NOT_FINITE)
-    flags[finite.any(axis=1) & ~finite.all(axis=1)] |= int(Flag.PARTLY_MISSING)
-    flags[(finite & (np.nan_to_num(value) <= 0.0)).any(axis=1)] |= int(Flag.CENSORED)
+    some, every = finite.any(axis=1), finite.all(axis=1)
     below = (wi[:, 2] <= 0.0) | (wo[:, 2] <= 0.0)
     with np.errstate(invalid="ignore", over="ignore"):
+        dark = (finite & (value <= 0.0)).any(axis=1)
         length = np.stack([np.sqrt(dot(w, w)) for w in (wi, wo)])
     unit = (np.abs(length - 1.0) <= UNIT_TOLERANCE).all(axis=0)
-    flags[finite_direction & below] |= int(Flag.BELOW_HORIZON)
-    flags[finite_direction & ~unit] |= int(Flag.NOT_UNIT)
-    unit_rows = np.flatnonzero(unit)
-    flags[unit_rows[_repeats(wi[unit], wo[unit])]] |= int(Flag.DUPLICATE)
+    duplicate = np.zeros(len(value), dtype=bool)
+    duplicate[unit] = _repeats(wi[unit], wo[unit])
+    flags = np.zeros(len(value), dtype=np.int64)
+    for flag, found in (
+        (Flag.NOT_FINITE, ~(finite_direction & some)),
+        (Flag.PARTLY_MISSING, some & ~every),
+        (Flag.CENSORED, dark),
+        (Flag.BELOW_HORIZON, finite_direction & below),
+        (Flag.NOT_UNIT, finite_direction & ~unit),
+        (Flag.DUPLICATE, duplicate),
+    ):
+        flags |= np.where(found, int(flag), 0)
     return flags
 
 

@@ -18,6 +18,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import Protocol
 
+from brdfit.batch.handed import Handed
 from brdfit.batch.record import PartResult
 from brdfit.batch.source import BatchInput
 from brdfit.errors import FitError
@@ -86,7 +87,7 @@ class Processes:
         tries: dict[Range, int] = {}
         while left:
             held: dict[Future[PartResult], Range] = {}
-            with _pool(self.workers, work) as pool:
+            with Handed(work) as handed, _pool(self.workers, handed) as pool:
                 try:
                     yield from _served(pool, left, held, tries, _AHEAD * self.workers)
                 except BrokenProcessPool as error:
@@ -139,7 +140,7 @@ class _pool:  # noqa: N801 - reads as the context manager that it is
     Spawned, not forked: a fork beside the threads of Arrow and Zarr may inherit a held lock.
     """
 
-    def __init__(self, workers: int, work: Work) -> None:
+    def __init__(self, workers: int, work: Handed) -> None:
         context = multiprocessing.get_context("spawn")
         self._pool = ProcessPoolExecutor(workers, context, _adopt, (work, os.getpid()))
 
@@ -157,10 +158,10 @@ class _pool:  # noqa: N801 - reads as the context manager that it is
 _ADOPTED: list[Work] = []
 
 
-def _adopt(work: Work, parent: int) -> None:
+def _adopt(work: Handed, parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    _ADOPTED[:] = [work]
+    _ADOPTED[:] = [work.value]
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
 
 

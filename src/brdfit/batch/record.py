@@ -82,8 +82,9 @@ class PartResult:
             where = np.array(part.where, dtype=np.int64)
             _enter(arrays, where, found)
             problems |= {part.where[item]: text for item, text in found.failures.items()}
-        texts = [problems.get(item, "") for item in range(n)]
-        arrays["message"] = words_array(texts, _MESSAGE)
+        if problems:  # where there is none the store has its fill value without being told
+            texts = [problems.get(item, "") for item in range(n)]
+            arrays["message"] = words_array(texts, _MESSAGE)
         return cls(start, arrays)
 
     def __len__(self) -> int:

@@ -74,6 +74,7 @@ class BatchStore:
         self.path = path
         self.group = group
         self.attributes: dict[str, Any] = dict(group.attrs)
+        self._arrays: dict[str, Any] = {}
 
     @classmethod
     def open(cls, path: Path, mode: str = "r") -> BatchStore:
@@ -151,8 +152,14 @@ class BatchStore:
         """Write a block, and mark it as done."""
         start, stop = self.rows(block)
         for name, values in result.arrays.items():
-            self.group[name][start:stop] = values
-        self.group["done"][block] = 1
+            self._array(name)[start:stop] = values
+        self._array("done")[block] = 1
+
+    def _array(self, name: str) -> Any:
+        """Return an array of the group; its description is read once."""
+        if name not in self._arrays:
+            self._arrays[name] = self.group[name]
+        return self._arrays[name]
 
     def outcomes(self) -> tuple[dict[str, int], str]:
         """Return (how many items ended how, the name of the first that has a result)."""

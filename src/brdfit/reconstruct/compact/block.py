@@ -232,7 +232,8 @@ class _Values:
         there = rows >= 0
         known = channels_first(self.known) * there[:, None, None]
         y = channels_first(self.y)
-        bound = channels_first(self.bound) * known
+        bounded = bool(self.bound.any())
+        bound = channels_first(self.bound) * known if bounded else np.zeros_like(known)
         return Items(
             y=(y - (mean if mean.ndim == 1 else mean[:, None, None])) * known,
             known=known,
@@ -241,7 +242,7 @@ class _Values:
             scatter=np.where(there, self.scatter[rows], 0.0),
             features=phi,
             spread=basis.spread,
-            bounded=bool(bound.any()),
+            bounded=bounded and bool(bound.any()),
             complete=bool(known.all()),
         )
 

@@ -53,7 +53,7 @@ _PRIOR_WRONG, _PRIOR_RIGHT, _SHARE = 0.5, 4.5, 0.05
 _SETTLED, _SAME_WIDTH = 1e-2, 0.02
 _LOG_TWO_PI = math.log(2.0 * math.pi)
 # Below this share of items still moving, those at rest are set aside.
-_CROWDED = 0.7
+_CROWDED = 0.9
 # ln odds of an outlier beyond which nobody doubts; axes so short that a loop adds them faster.
 _HOPELESS, _SHORT = 500.0, 8
 
@@ -166,7 +166,9 @@ def _run(xp: Any, items: Items, start: Solution, steps: int) -> Solution:
     nobody = start.steps < 0.0
     now = replace(start, coefficients=z, steps=0.0 * start.steps, settled=nobody)
     index = xp.arange(items.y.shape[0], device=device(items.y))
-    products, known = _asked(xp, items)
+    products = _products(xp, items)
+    # What is known hangs on the step where bounds are.
+    known = None if items.bounded else _Known.of(xp, items, items.known)
     parts: list[Solution] = []
     places: list[Array] = []
     moving = index.shape[0]
@@ -182,17 +184,15 @@ def _run(xp: Any, items: Items, start: Solution, steps: int) -> Solution:
             places.append(xp.take(index, rest, axis=0))
             items, now = items.take(xp, on), now.take(xp, on)
             index = xp.take(index, on, axis=0)
-            products, known = _asked(xp, items, products)
+            products = products if items.shared else _products(xp, items)
+            known = None if known is None else known.take(xp, on)
     order = xp.argsort(xp.concat([*places, index]))
     joined = _joined(xp, [*parts, now])
     return joined.take(xp, order)
 
 
-def _asked(xp: Any, items: Items, before: Products | None = None) -> tuple[Products, _Known | None]:
-    """Return what every step asks of items; what is known hangs on the step where bounds are."""
-    products = before if before and items.shared else None
-    products = products or products_of(xp, items.features, items.spread)
-    return products, None if items.bounded else _Known.of(xp, items, items.known)
+def _products(xp: Any, items: Items) -> Products:
+    return products_of(xp, items.features, items.spread)
 
 
 def _step(
@@ -256,6 +256,12 @@ class _Known:
         part = row / (count + (1.0 - row))
         log_wrong = part * _all(xp, known * items.background)
         return cls(m, row, xp.sum(row, axis=1), known[:, :, 0, :], part, log_wrong)
+
+    def take(self, xp: Any, index: Array) -> _Known:
+        """Return what is known of the items of `index`."""
+        names = ["row", "rows", "log_wrong"]
+        names += [] if self.group is None else ["group", "part"]
+        return replace(self, **{n: xp.take(getattr(self, n), index, axis=0) for n in names})
 
     def only(self, array: Array) -> Array:
         """Return an array (b, g or 1, n) with 0 where the group is not known: (b, g, n)."""
