@@ -15,7 +15,7 @@ import pytest
 
 import brdfit.report.fit_outputs as fit_outputs
 from brdfit.errors import DataQualityWarning
-from brdfit.formats import read_samples, read_table, write_table
+from brdfit.formats import read_samples, read_table, write_samples, write_table
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.table import Table
 
@@ -55,6 +55,32 @@ def test_fit_says_what_it_read_and_did_and_wrote(
     assert record["command"] == "fit"
     assert record["samples"]["source"]["sha256"]
     assert read_table(tmp_path / "out.binary").mask.sum() == MERL_GRID.cells.size
+
+
+def test_fit_tells_the_albedo_and_the_limit_is_an_option(
+    run: Run, constant: type, paint_csv: Path, tmp_path: Path
+) -> None:
+    samples = read_samples(paint_csv)
+    white = samples.value * 1.1 / (np.pi * samples.value.mean())
+    write_samples(samples.with_value(white), tmp_path / "white.csv")
+    words = ("fit", tmp_path / "white.csv", "-o", tmp_path / "out.npz")
+    code, out, _ = run(*words)
+    assert code == 0
+    assert "more light leaves than arrives" in out
+    assert "--limit-albedo lowers it where nobody measured" in out
+    code, out, err = run(*words, "--limit-albedo")
+    assert code == 0
+    assert "cells that nobody measured were lowered" in out + err
+    told = json.loads((tmp_path / "out.json").read_text())["albedo"]["limited"]
+    assert told["largest_after"] < told["largest_before"]
+    assert told["cells_lowered"]["measured"] == 0
+
+
+def test_info_tells_the_albedo_of_a_table(run: Run, grey_table: Path) -> None:
+    _, out, _ = run("info", grey_table)
+    assert "albedo      at most 0.500" in out
+    _, out, _ = run("info", grey_table, "--json")
+    assert json.loads(out)["albedo"]["largest"] == pytest.approx(0.5, rel=1e-3)
 
 
 def test_quiet_prints_nothing_of_a_good_fit(
@@ -248,7 +274,7 @@ _SLOW_PICTURE = """
 import sys, time
 import brdfit.report.fit_outputs as fit_outputs
 from brdfit.cli import main
-def draw(result, rgb, coverage, path, progress):
+def draw(result, brdf, rgb, coverage, path, progress):
     path.write_text("half")
     print("drawing", flush=True)
     time.sleep(60)

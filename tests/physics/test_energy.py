@@ -45,14 +45,17 @@ def test_afterwards_no_incidence_reflects_more_than_the_limit(bright):
     assert result.before.max() > 1.3
     assert result.after.max() <= 1.0
     assert result.excess == 0.0
-    at = np.radians([0.0, 10.5, 47.3, 71.9, 88.5])
+    at = np.radians([0.0, 10.5, 47.3, 71.9, 88.5, 89.6])
     assert directional_albedo(result.table, at).max() < 1.0 + 1e-3
 
 
 def test_no_more_is_taken_than_has_to_be(bright):
     result = limit_energy(bright)
-    over = result.before > 1.01
-    np.testing.assert_allclose(result.after[over], 1.0, atol=2e-3)
+    # a node answers for what lies within half a step of it
+    near = np.arange(0, 2 * GRID.n_theta_d, 2)[:, None] + [-1, 0, 1]
+    near[0, 0] = 0
+    over = (result.before[near] > 1.01).any(axis=1)
+    np.testing.assert_allclose(result.after[near].max(axis=1)[over], 1.0, atol=2e-3)
 
 
 def test_values_only_go_down_and_a_channel_that_could_exist_stays_as_it_is(bright):

@@ -2,16 +2,20 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import brdfit.report.fit_outputs as fit_outputs
+from brdfit.albedo import directional_albedo
+from brdfit.arrays import FloatArray
 from brdfit.errors import UsageError
 from brdfit.formats import read_samples, read_table
 from brdfit.grid import Grid
-from brdfit.reconstruct.result import Reconstruction
+from brdfit.progress import Progress
+from brdfit.reconstruct.result import Model, Reconstruction
 from brdfit.report.fit_figure import slices_of
 from brdfit.report.fit_outputs import FitPaths, write_fit
 from brdfit.samples import Samples
@@ -61,6 +65,58 @@ def test_the_record_holds_what_a_script_needs(tmp_path: Path, fit_known: Fit) ->
     assert record["warnings"] == ["W: x"]
     assert record["samples"]["source"]["name"] == "arrays"
     assert "numpy" in record["versions"]
+
+
+def test_the_record_tells_the_albedo_of_the_table_and_where_the_result_comes_from(
+    tmp_path: Path, fit_known: Fit
+) -> None:
+    result = fit_known()
+    record = write_fit(result, FitPaths.beside(tmp_path / "out.npz"), grid=COARSE).record
+    albedo = record["albedo"]
+    at = np.radians(albedo["theta_i_degrees"])
+    expected = directional_albedo(result.table(COARSE), at)
+    found = np.array([albedo["values"][name] for name in ("R", "G", "B")]).T
+    assert found == pytest.approx(expected, abs=1e-4)
+    assert albedo["largest"] == pytest.approx(expected.max())
+    assert albedo["limited"] is None
+    assert record["trust"]["definition"] == result.trust_map.definition
+    assert sum(record["trust"]["shares"].values()) == pytest.approx(1.0)
+
+
+def test_a_limited_fit_says_what_it_cost_and_leaves_the_residuals_alone(
+    tmp_path: Path, fit_known: Fit
+) -> None:
+    result = fit_known()
+    bright = replace(result, model=Bright(result.model))
+    plain = write_fit(bright, FitPaths.beside(tmp_path / "plain.npz"), grid=Grid(24, 24, 24))
+    paths = FitPaths.beside(tmp_path / "limited.npz")
+    limited = write_fit(bright, paths, grid=Grid(24, 24, 24), limit_albedo=True)
+    assert plain.albedo.above_one
+    told = limited.record["albedo"]["limited"]
+    assert told["largest_after"] < 0.5 * told["largest_before"]
+    assert told["cells_lowered"]["measured"] == 0
+    assert told["cells_lowered"]["supplied"] > 0
+    found = directional_albedo(read_table(paths.table), np.radians([85.0])).max()
+    assert found < 0.5 * directional_albedo(plain.table, np.radians([85.0])).max()
+    assert found <= limited.record["albedo"]["largest"] + 1e-6
+    assert paths.samples.read_bytes() == (tmp_path / "plain.csv").read_bytes()
+
+
+@dataclass(frozen=True)
+class Bright:
+    """A model beside which grazing directions are brighter than any surface."""
+
+    inner: Model
+
+    def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        grazing = np.clip((0.3 - np.minimum(wi[:, 2], wo[:, 2])) / 0.2, 0.0, 1.0)
+        return self.inner.evaluate(wi, wo) * (1.0 + 5.0 * grazing)[:, None]
+
+    def dense(self, grid: Grid, progress: Progress) -> FloatArray:
+        return self.evaluate(*grid.directions(grid.cells))
+
+    def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
+        return None
 
 
 def test_the_samples_file_reads_back_as_the_same_samples(tmp_path: Path, fit_known: Fit) -> None:

@@ -105,7 +105,7 @@ def test_the_sections_say_what_became_of_the_fit(fit_known: Fit, tmp_path: Path)
     assert Outcome.CONVERGED.advice in top
     assert f"Outliers {count} " in top
     assert "by usable measurement" not in top
-    assert "measured: a usable measurement lies within 5 degrees" in page.said("trust")
+    assert "measured: a believed sample within 5 degrees" in page.said("trust")
     assert "weight below 0.5" in page.said("outliers")
     row = int(result.samples.rows[4])  # type: ignore[index]
     assert f"{row} 8.0 times too high" in page.said("outliers")

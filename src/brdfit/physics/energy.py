@@ -10,9 +10,11 @@ is dear to change. The albedo is linear in f', so the minimum has the form
 
     f' = f exp(-s^2 (lambda(theta_i) + lambda(theta_o))),     lambda >= 0,
 
-with lambda(theta) = 0 wherever the limit does not bind. It is found by repeated projections, each
-lowering the albedo at all angles that exceed the limit (for s = 1 that is the symmetric scaling
-of Sinkhorn). f' is reciprocal where f is, has its symmetries, and is nowhere above it.
+with lambda(theta) = 0 wherever the limit does not bind, at the nodes of the grid's theta_d and
+linear between. A node answers for the largest albedo within half a step. It is found by repeated
+projections, each lowering the albedo at all angles that exceed the limit (for s = 1 that is the
+symmetric scaling of Sinkhorn). f' is reciprocal where f is, has its symmetries, and is nowhere
+above it.
 
 No value is made black to spare another: ln f gives way by at most 3 s. Where that is not enough
 the known values are wrong too, and a second pass lowers all with s > 0 alike.
@@ -37,7 +39,7 @@ from brdfit.grid import Grid
 from brdfit.physics.albedo_plan import AlbedoPlan
 from brdfit.table import Table
 
-__all__ = ["EnergyLimit", "limit_energy"]
+__all__ = ["EnergyLimit", "limit_energy", "limited_incidences"]
 
 _ITERATIONS = 60
 # Half a Newton step and a little: light and detector both carry a lambda.
@@ -55,7 +57,7 @@ class EnergyLimit:
 
     | name      | shape              | unit and range                                          |
     |-----------|--------------------|---------------------------------------------------------|
-    | `theta_i` | (angles,)          | radians: the nodes of the grid's theta_d                |
+    | `theta_i` | (angles,)          | radians: the grid's theta_d and halfway between         |
     | `before`  | (angles, channels) | directional albedo of the table that was given          |
     | `after`   | (angles, channels) | the same of `table`                                     |
     """
@@ -98,7 +100,7 @@ def limit_energy(
     if not limit > 0.0:
         raise UsageError(f"limit: found {limit} but an albedo that can be kept is above 0.")
     spread = _spread(table, stddev)
-    plan = AlbedoPlan.build(table.grid, table.mask, table.grid.theta_d)
+    plan = AlbedoPlan.build(table.grid, table.mask, limited_incidences(table.grid))
     before = plan.of(table)
     channels = np.flatnonzero((before > limit).any(axis=0))
     if channels.size == 0:
@@ -120,6 +122,16 @@ def limit_energy(
     after = frozen(plan.of(limited))
     strongest = float(factor.min())
     return EnergyLimit(limited, limit, plan.theta_i, frozen(before), after, changed, strongest)
+
+
+def limited_incidences(grid: Grid) -> FloatArray:
+    """Return the angles (2 n_theta_d,) at which a limit is kept, radians.
+
+    The nodes of theta_d, halfway between them, and halfway from the last to grazing: a table
+    answers between and beyond its nodes too.
+    """
+    n = 2 * grid.n_theta_d
+    return np.asarray(np.arange(n) / n * (np.pi / 2))
 
 
 def _factor(
@@ -178,14 +190,16 @@ class _Projection:
         """Return the factor of every cell, (cells of the grid,)."""
         cells, target = self.plan.cells, self.limit * (1.0 - _TOLERANCE)
         f, s2 = self.f[cells], self.s[cells] ** 2
-        multipliers = np.zeros(self.plan.theta_i.size)
+        multipliers = np.zeros(self.plan.grid.n_theta_d)
         for _ in range(_ITERATIONS):
             given = self._gives_way(multipliers, cells)
             scaled = f * np.exp(-given)
-            albedo = np.maximum(self.plan.albedo(scaled), _TINY)
+            everywhere = np.maximum(self.plan.albedo(scaled), _TINY)
+            worst = _worst_around_nodes(everywhere)
+            albedo = everywhere[worst]
             # d ln(albedo) / d lambda = -(mean of s^2, weighted by what each cell reflects)
             free = s2 if self.most == np.inf else s2 * (given < self.most * self.s[cells])
-            slope = self.plan.albedo(scaled * free) / albedo
+            slope = self.plan.albedo(scaled * free)[worst] / albedo
             movable = slope > _TINY
             step = np.where(movable, np.log(albedo / target) / np.where(movable, slope, 1.0), 0.0)
             better = np.maximum(0.0, multipliers + _STEP * step)
@@ -198,6 +212,13 @@ class _Projection:
         s = self.s[rows]
         wanted = s * s * self.seats.sum_of(multipliers, rows)
         return wanted if self.most == np.inf else np.minimum(wanted, self.most * s)
+
+
+def _worst_around_nodes(albedo: FloatArray) -> IntArray:
+    """Return where the largest albedo within half a step of each node is, (n_theta_d,)."""
+    at = np.arange(0, albedo.size, 2)[:, None] + np.array([0, -1, 1])
+    at[0, 1] = 0
+    return np.asarray(at[np.arange(len(at)), np.argmax(albedo[at], axis=1)])
 
 
 def _spread(table: Table, stddev: npt.ArrayLike | None) -> FloatArray | None:

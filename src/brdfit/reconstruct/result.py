@@ -5,10 +5,12 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
+import numpy.typing as npt
 
+from brdfit.albedo import directional_albedo
 from brdfit.arrays import BoolArray, FloatArray, IntArray, as_unit_directions
 from brdfit.display import Shown
 from brdfit.errors import UsageError
@@ -23,6 +25,9 @@ from brdfit.reconstruct.trust import TrustMap
 from brdfit.samples import Samples, Source
 from brdfit.table import Table
 from brdfit.versions import versions_of
+
+if TYPE_CHECKING:
+    from brdfit.reconstruct.energy import LimitedAlbedo
 
 __all__ = [
     "Method",
@@ -150,6 +155,26 @@ class Reconstruction(Shown):
                 notes=(f"method {self.method.name}", f"outcome {self.outcome.value}"),
             ),
         )
+
+    def albedo(self, theta_i: npt.ArrayLike) -> FloatArray:
+        """Return the directional albedo (angles, channels) at `theta_i` (angles,), radians.
+
+        Above 1 no surface can be. Raises `UsageError` for an angle outside [0, pi/2).
+        """
+        return directional_albedo(self, theta_i)
+
+    def limited_table(
+        self, grid: Grid = MERL_GRID, progress: Progress = silent, *, albedo: float = 1.0
+    ) -> LimitedAlbedo:
+        """Return the dense result whose directional albedo is at most `albedo`, and the cost.
+
+        Values give way where nobody measured; measured cells are not moved. If that is not
+        enough, `reached` is False and `sentence` says at which incidences. Raises `UsageError`
+        for an albedo that is not above 0.
+        """
+        from brdfit.reconstruct.energy import limit_albedo
+
+        return limit_albedo(self, self.table(grid, progress), limit=albedo, progress=progress)
 
     def record(self) -> dict[str, Any]:
         """Return everything a script needs to know about the fit, as JSON-able values."""

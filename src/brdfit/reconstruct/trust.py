@@ -29,9 +29,9 @@ from brdfit.grid import Grid
 from brdfit.reconstruct.reach import FAR, NEAR, Reach
 
 if TYPE_CHECKING:
-    from brdfit.reconstruct.result import Model, Reconstruction
+    from brdfit.reconstruct.result import Reconstruction
 
-__all__ = ["KnowsItsPrior", "Trust", "TrustMap"]
+__all__ = ["KnowsItsPrior", "Silent", "StatesDoubt", "Trust", "TrustMap"]
 
 _CHUNK = 2_000
 # Times the deviation that one measurement at the direction would leave.
@@ -51,6 +51,20 @@ class Trust(IntEnum):
     """By the population, or by the method's own extrapolation."""
 
 
+class StatesDoubt(Protocol):
+    """A model that may state how sure it is, or what was kept of one."""
+
+    def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
+        """Return the standard deviation of ln f_r (n, channels), or None if unknown."""
+
+
+class Silent:
+    """A model that states nothing: distance decides."""
+
+    def stddev(self, wi: FloatArray, wo: FloatArray) -> None:
+        """Return None."""
+
+
 @runtime_checkable
 class KnowsItsPrior(Protocol):
     """A model that tells what it would have said without samples."""
@@ -68,7 +82,7 @@ class TrustMap:
     """The class of every direction, for one result."""
 
     reach: Reach
-    model: Model
+    model: StatesDoubt
 
     @classmethod
     def of(cls, result: Reconstruction) -> TrustMap:
@@ -83,16 +97,24 @@ class TrustMap:
     @property
     def definition(self) -> str:
         """What the classes mean, in words."""
+        measured, interpolated = self.criteria
+        rest = (
+            "all else is supplied by the population"
+            if self.judges
+            else "beyond that the method supplies the value"
+        )
+        return f"measured: {measured}; interpolated: {interpolated}; {rest}."
+
+    @property
+    def criteria(self) -> tuple[str, str]:
+        """What makes a direction measured, and what interpolated, in words."""
         near, far = f"within {NEAR:g} degrees", f"within {FAR:g} degrees"
         if not self.judges:
-            return (
-                f"measured: a believed sample {near}; interpolated: {far}; beyond that the method "
-                f"supplies the value."
-            )
+            return f"a believed sample {near}", far
         return (
-            f"measured: a believed sample {near}, and the uncertainty there at most a quarter of "
-            f"what it was before any sample, or about what one measurement there would leave; "
-            f"interpolated: {far} and at most a half; all else is supplied by the population."
+            f"a believed sample {near}, and the uncertainty there at most a quarter of what it was "
+            f"before any sample, or about what one measurement there would leave",
+            f"{far} and at most a half",
         )
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> IntArray:

@@ -26,6 +26,7 @@ from brdfit.table import Table
 from brdfit.tone import display_image, exposure_scale, srgb_encode
 
 if TYPE_CHECKING:
+    from brdfit.albedo import Evaluable
     from brdfit.render import Illumination
 
 __all__ = ["Slice", "draw_fit", "slices_of"]
@@ -101,12 +102,17 @@ def _busiest(theta: FloatArray, count: int = 3) -> list[float]:
 
 def draw_fit(
     result: Reconstruction,
+    brdf: Evaluable,
     rgb: Table,
     coverage: Coverage | None,
     path: Path,
     progress: Progress = silent,
 ) -> None:
-    """Draw the fit into the PNG `path`; `rgb` is its table in R, G, B."""
+    """Draw the fit into the PNG `path`.
+
+    `brdf` draws the curves: the result itself, or the table where that says something else;
+    `rgb` is the table in R, G, B.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -127,7 +133,7 @@ def draw_fit(
     progress("drawing", 3, 4)
     for index, one in enumerate(slices_of(result.samples)):
         ax = figure.add_subplot(bottom[index])
-        _draw_slice(ax, result, one)
+        _draw_slice(ax, result, brdf, one)
     figure.legend(*ax.get_legend_handles_labels(), ncols=5, fontsize=8, loc=(0.062, 0.475))
     figure.suptitle(_headline(result, coverage), fontsize=11, x=0.012, ha="left", color=INK)
     figure.savefig(path, format="png")
@@ -212,10 +218,10 @@ def _log_tones(rgb: Table) -> FloatArray:
     return picture
 
 
-def _draw_slice(ax: Any, result: Reconstruction, one: Slice) -> None:
+def _draw_slice(ax: Any, result: Reconstruction, brdf: Evaluable, one: Slice) -> None:
     from brdfit.render import incidence_slices
 
-    curve = incidence_slices(result, (float(np.degrees(one.theta_i)),), samples=357)
+    curve = incidence_slices(brdf, (float(np.degrees(one.theta_i)),), samples=357)
     outlier = result.outliers[one.rows]
     degrees = np.degrees(one.theta_o)
     names = result.samples.channels

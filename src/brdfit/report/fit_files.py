@@ -16,7 +16,8 @@ from typing import Any
 from brdfit.errors import CorruptFile, UsageError
 from brdfit.formats import read_table
 from brdfit.report.fitted import SCHEMA, Fitted, UsedFile, agreement
-from brdfit.report.samples_csv import read_samples_csv
+from brdfit.report.kept_trust import KeptTrust
+from brdfit.report.samples_csv import Judged, read_samples_csv
 from brdfit.report.uncertainty import Uncertainty
 from brdfit.table import Table
 
@@ -68,7 +69,7 @@ def read_fit(files: FitFiles, table: Table | None = None) -> Fitted:
     table = read_table(files.table) if table is None else table
     record = _content(files.record) if files.record is not None else None
     judged = None if files.samples is None else read_samples_csv(files.samples)
-    stated = (record or {}).get("uncertainty")
+    uncertainty, trust = _doubts(record or {}, judged, _shown(files.record))
     notes = [*_missing(files)]
     if record is not None:
         notes += _renamed(files, record)
@@ -79,10 +80,22 @@ def read_fit(files: FitFiles, table: Table | None = None) -> Fitted:
         table=table,
         judged=judged,
         record=record or {},
-        uncertainty=Uncertainty.from_record(stated, _shown(files.record)) if stated else None,
+        uncertainty=uncertainty,
+        trust=trust,
         files=tuple(_used(files)),
         notes=tuple(notes),
     )
+
+
+def _doubts(
+    record: dict[str, Any], judged: Judged | None, where: str
+) -> tuple[Uncertainty | None, KeptTrust | None]:
+    """Return what the record keeps of them; None for what it, or an older one, does not."""
+    stated, classes = record.get("uncertainty"), record.get("trust")
+    uncertainty = Uncertainty.from_record(stated, where) if stated else None
+    if not classes or judged is None:
+        return uncertainty, None
+    return uncertainty, KeptTrust.from_record(classes, judged, uncertainty, where)
 
 
 def _record_beside(path: Path) -> Path | None:

@@ -23,11 +23,14 @@ from typing import Any
 from brdfit.errors import UsageError
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.progress import Progress, silent
+from brdfit.reconstruct.energy import LimitedAlbedo
 from brdfit.reconstruct.result import Reconstruction
+from brdfit.report.albedo_curve import AlbedoCurve
 from brdfit.report.coverage import coverage_of
 from brdfit.report.file_set import write_set
 from brdfit.report.fit_figure import draw_fit
 from brdfit.report.fitted import fit_record
+from brdfit.report.kept_trust import KeptTrust
 from brdfit.report.rgb import Conversion, needs_rgb, rgb_table
 from brdfit.report.samples_csv import write_samples_csv
 from brdfit.report.uncertainty import Uncertainty
@@ -94,6 +97,10 @@ class FitOutputs:
     """How the table in the file came to its channels; "none" where they were kept."""
     record: dict[str, Any]
     """The content of the JSON file."""
+    albedo: AlbedoCurve
+    """What the table, with all channels, reflects."""
+    limited: LimitedAlbedo | None
+    """What became of the limit; None where it was not asked for."""
 
 
 def write_fit(
@@ -102,31 +109,38 @@ def write_fit(
     *,
     context: Mapping[str, Any] | None = None,
     grid: Grid = MERL_GRID,
+    limit_albedo: bool = False,
     progress: Progress = silent,
 ) -> FitOutputs:
     """Write the four files of a fit.
 
     `context` (the command's options, warnings so far, ...) goes into the record as it is.
+    With `limit_albedo` the table is `Reconstruction.limited_table`; weights and residuals in
+    the samples stay those of the fit.
     """
     from brdfit.formats import format_to_write, write_table
 
     _import_ahead(spectral=result.samples.wavelengths is not None)
-    full = result.table(grid, progress)
+    limited = result.limited_table(grid, progress) if limit_albedo else None
+    full = result.table(grid, progress) if limited is None else limited.table
     rgb, conversion = rgb_table(full)
     written, cost = full, Conversion("none", full.n_channels)
     if needs_rgb(full, format_to_write(paths.table, format=paths.format)):
         written, cost = rgb, conversion
     coverage = coverage_of(result.samples)
-    made = fit_record(result, Uncertainty.of(result, progress))
+    stated, albedo = Uncertainty.of(result, progress), AlbedoCurve.of(full)
+    made = fit_record(result, stated, KeptTrust.of(result, stated), albedo)
+    made["albedo"]["limited"] = None if limited is None else limited.record()
     record = _record(made, paths, cost, context or {})
+    shown = result if limited is None else limited.table
     writers: dict[Path, Callable[[Path], object]] = {
         paths.table: lambda aside: write_table(written, aside, format=paths.format),
-        paths.picture: lambda aside: draw_fit(result, rgb, coverage, aside, progress),
+        paths.picture: lambda aside: draw_fit(result, shown, rgb, coverage, aside, progress),
         paths.record: lambda aside: aside.write_text(_json(record), encoding="utf-8"),
         paths.samples: lambda aside: write_samples_csv(result, aside),
     }
     write_set(writers)
-    return FitOutputs(paths, written, cost, record)
+    return FitOutputs(paths, written, cost, record, albedo, limited)
 
 
 def _import_ahead(spectral: bool) -> None:
@@ -164,11 +178,11 @@ def _record(
     made: dict[str, Any], paths: FitPaths, conversion: Conversion, context: Mapping[str, Any]
 ) -> dict[str, Any]:
     names = ("table", "picture", "record", "samples")
-    uncertainty = made.pop("uncertainty")  # a long line: last
+    long_lines = {name: made.pop(name) for name in ("albedo", "trust", "uncertainty")}
     return {
         **made,
         "channels_written": conversion.record(),
         "outputs": {name: path.name for name, path in zip(names, paths.all(), strict=True)},
         **context,
-        "uncertainty": uncertainty,
+        **long_lines,
     }

@@ -13,7 +13,9 @@ from brdfit.files import sha256_of_file
 from brdfit.grid import MERL_GRID
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.result import Reconstruction
+from brdfit.report.albedo_curve import AlbedoCurve
 from brdfit.report.coverage import coverage_of
+from brdfit.report.kept_trust import KeptTrust
 from brdfit.report.samples_csv import Judged
 from brdfit.report.uncertainty import Uncertainty
 from brdfit.table import Table
@@ -55,6 +57,8 @@ class Fitted:
     record: Mapping[str, Any] = field(default_factory=dict)
     """What `fit_record` returns; empty if it is not there."""
     uncertainty: Uncertainty | None = None
+    trust: KeptTrust | None = None
+    """Where the result comes from, as the fit itself tells; None if that is not known."""
     files: tuple[UsedFile, ...] = ()
     """The files that this was read from."""
     notes: tuple[str, ...] = ()
@@ -64,12 +68,15 @@ class Fitted:
     def of(cls, result: Reconstruction, progress: Progress = silent) -> Fitted:
         """Return the fit `result` with its table on the MERL grid, all channels kept."""
         stated = Uncertainty.of(result, progress)
+        trust = KeptTrust.of(result, stated)
+        table = result.table(MERL_GRID, progress)
         return cls(
             name=result.samples.source.name,
-            table=result.table(MERL_GRID, progress),
+            table=table,
             judged=Judged.of(result),
-            record=fit_record(result, stated),
+            record=fit_record(result, stated, trust, AlbedoCurve.of(table)),
             uncertainty=stated,
+            trust=trust,
         )
 
     @classmethod
@@ -79,13 +86,23 @@ class Fitted:
         return cls(name=table.source.name, table=table, notes=(missing,))
 
 
-def fit_record(result: Reconstruction, stated: Uncertainty | None) -> dict[str, Any]:
-    """Return what is kept of a fit, whatever files it leaves, as JSON-able values."""
+def fit_record(
+    result: Reconstruction,
+    stated: Uncertainty | None,
+    trust: KeptTrust | None = None,
+    albedo: AlbedoCurve | None = None,
+) -> dict[str, Any]:
+    """Return what is kept of a fit, whatever files it leaves, as JSON-able values.
+
+    `albedo` is that of its table with all channels; what is left out is null.
+    """
     coverage = coverage_of(result.samples)
     return {
         "schema": SCHEMA,
         **result.record(),
         "coverage": None if coverage is None else coverage.record(),
+        "albedo": None if albedo is None else albedo.record(),
+        "trust": None if trust is None else trust.record(),
         "uncertainty": None if stated is None else stated.record(),
     }
 

@@ -18,13 +18,12 @@ from brdfit.arrays import FloatArray
 from brdfit.errors import CorruptFile
 from brdfit.grid import Grid
 from brdfit.progress import Progress, silent
+from brdfit.reconstruct.doubt import stated_doubt
 from brdfit.reconstruct.result import Reconstruction
 from brdfit.table import Table
 
 __all__ = ["Uncertainty"]
 
-_NODES = Grid(30, 30, 12)
-_CHUNK = 2_000
 _QUANTITY = "standard deviation of ln f_r"
 _ENCODING = "base64 of little-endian float16 in C order; NaN below the horizon"
 
@@ -42,20 +41,8 @@ class Uncertainty:
     @classmethod
     def of(cls, result: Reconstruction, progress: Progress = silent) -> Uncertainty | None:
         """Return what the method of `result` states; None if it states nothing."""
-        wi, wo = _NODES.directions(_NODES.cells)
-        if result.model.stddev(wi[:1], wo[:1]) is None:
-            return None
-        parts = []
-        progress("uncertainty", 0, len(wi))
-        for first in range(0, len(wi), _CHUNK):
-            rows = slice(first, first + _CHUNK)
-            parts.append(result.stddev(wi[rows], wo[rows]))
-            progress("uncertainty", min(first + _CHUNK, len(wi)), len(wi))
-        found = np.concatenate(parts)
-        channels = result.samples.channels
-        if np.allclose(found, found[:, :1], rtol=1e-6):
-            found, channels = found[:, :1], ("all",)
-        return cls(_table(found, channels))
+        found = stated_doubt(result, progress)
+        return None if found is None else cls(found)
 
     @classmethod
     def from_record(cls, record: dict[str, Any], where: str) -> Uncertainty:
@@ -87,13 +74,3 @@ class Uncertainty:
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return the standard deviation of ln f_r (n, channels) at direction pairs (n, 3)."""
         return self.stddev.evaluate(wi, wo)
-
-
-def _table(at_cells: FloatArray, channels: tuple[str, ...]) -> Table:
-    values = np.full((_NODES.size, at_cells.shape[1]), np.nan)
-    values[_NODES.cells] = at_cells
-    return Table(
-        values=values.reshape(*_NODES.shape, -1),
-        grid=_NODES,
-        channels=channels,
-    )

@@ -1,8 +1,8 @@
 """The trust map: which part of a result was measured, interpolated, or supplied.
 
-A fit that is at hand is asked itself (`Reconstruction.trust_map`: distance to what it believes,
-and how sure it is). Of one that was opened from disk only the samples are known, and distance
-decides.
+A fit is asked itself (`Reconstruction.trust_map`: distance to what it believes, and how sure it
+is), one that was opened from disk by what its record keeps. Without such a record distance to
+the samples decides.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from brdfit.errors import UsageError
 from brdfit.geometry import cos_incident_outgoing, directions_from_half_diff
 from brdfit.grid import Grid
 from brdfit.reconstruct.reach import FAR, NEAR
+from brdfit.reconstruct.trust import TrustMap
 from brdfit.viewer.item import Item
 from brdfit.viewer.messages import TrustPlane
 
@@ -61,8 +62,8 @@ class _Judge:
     @classmethod
     def of(cls, item: Item) -> _Judge:
         """Return the judge of an item; `UsageError` where no samples are known."""
-        if item.result is not None:
-            own = item.result.trust_map
+        own = _own(item)
+        if own is not None:
             return cls(
                 lambda *angles: own.evaluate(*directions_from_half_diff(*angles)), own.definition
             )
@@ -76,6 +77,12 @@ class _Judge:
             f"measured: a usable sample within {NEAR:g} degrees; interpolated: within {FAR:g} "
             f"degrees; beyond that the population speaks.",
         )
+
+
+def _own(item: Item) -> TrustMap | None:
+    if item.result is not None:
+        return item.result.trust_map
+    return None if item.fitted.trust is None else item.fitted.trust.map
 
 
 def _by_distance(degrees: FloatArray) -> IntArray:

@@ -37,6 +37,12 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
         ".png, a .json and a .csv appear beside it.",
     )
     add_output_format(parser)
+    parser.add_argument(
+        "--limit-albedo",
+        action="store_true",
+        help="Lower the table where nobody measured, until no incidence reflects more light than "
+        "arrives. Measured cells are not moved; what that leaves above 1 is said.",
+    )
     add_method_options(parser, rest)
     add_reading_options(parser)
 
@@ -97,7 +103,7 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     samples = read_samples(arguments.samples, **options)
     method = method_from(arguments)
     context = {"command": "fit", "reading": {k: str(v) for k, v in options.items()}}
-    fit_and_write(samples, method, paths, console, context)
+    fit_and_write(samples, method, paths, console, context, limit_albedo=arguments.limit_albedo)
 
 
 def method_from(arguments: argparse.Namespace, leave_out: Sequence[str] = ()) -> Method:
@@ -128,6 +134,8 @@ def fit_and_write(
     paths: Any,
     console: Console,
     context: dict[str, Any],
+    *,
+    limit_albedo: bool = False,
 ) -> tuple[Reconstruction, FitOutputs]:
     """Report on `samples`, fit them, write the outputs, and say how it all ended."""
     from brdfit.cli.summary import samples_lines
@@ -144,13 +152,27 @@ def fit_and_write(
         console.warn("FitWarning", f"{result.outcome.value}: {result.outcome.advice}")
     with console.progress() as progress:
         context = {**context, "warnings": list(console.warnings)}
-        outputs = write_fit(result, paths, context=context, progress=progress)
+        outputs = write_fit(
+            result, paths, context=context, limit_albedo=limit_albedo, progress=progress
+        )
+    _say_albedo(outputs, console)
     if outputs.conversion.kind != "none":
         console.say(f"  channels    {outputs.conversion}")
     console.say(f"wrote {paths.table}")
     for path in paths.all()[1:]:
         console.say(f"      {path}")
     return result, outputs
+
+
+def _say_albedo(outputs: FitOutputs, console: Console) -> None:
+    console.say(f"  albedo      {outputs.albedo}")
+    if outputs.limited is None:
+        if outputs.albedo.above_one:
+            console.say("              --limit-albedo lowers it where nobody measured")
+    elif outputs.limited.reached:
+        console.say(f"              {outputs.limited.sentence}")
+    else:
+        console.warn("FitWarning", outputs.limited.sentence)
 
 
 def result_lines(result: Reconstruction) -> list[str]:

@@ -48,6 +48,7 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read the file and describe it."""
     from brdfit.cli.summary import samples_lines, samples_record, table_lines, table_record
+    from brdfit.report.albedo_curve import AlbedoCurve
     from brdfit.report.reading import read_any
     from brdfit.samples import Samples
 
@@ -57,6 +58,10 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
         record, lines = samples_record(content), samples_lines(content)
     else:
         record, lines = table_record(content), table_lines(content)
+        albedo = AlbedoCurve.of(content) if content.mask.any() else None
+        record["albedo"] = None if albedo is None else albedo.record()
+        if albedo is not None:
+            lines.append(f"  albedo      {albedo}")
     if arguments.physics:
         health = _examined(content, arguments.picture)
         record["physics"] = health.record()

@@ -228,7 +228,8 @@ def _trust(fitted: Fitted) -> Trust | None:
     if coverage is None:
         return None
     leans = bool(look_up(fitted.record, "population", "name"))
-    return trust_of(fitted.judged.samples, coverage, "the population" if leans else "the method")
+    supplier = "the population" if leans else "the method"
+    return trust_of(fitted.judged.samples, coverage, supplier, fitted.trust)
 
 
 def _health(fitted: Fitted) -> list[HealthSection]:
@@ -270,10 +271,12 @@ def _made(fitted: Fitted) -> list[tuple[str, tuple[tuple[str, str], ...]]]:
 def _record_text(fitted: Fitted) -> str:
     if not fitted.record:
         return ""
-    stated = fitted.record.get("uncertainty")
-    shown = dict(fitted.record)
+    shown, left_out = dict(fitted.record), {"values": "left out here; the record has them"}
+    stated, trust = shown.get("uncertainty"), shown.get("trust")
     if isinstance(stated, dict):
-        shown["uncertainty"] = {**stated, "values": "left out here; the record has them"}
+        shown["uncertainty"] = {**stated, **left_out}
+    if isinstance(trust, dict) and isinstance(trust.get("prior"), dict):
+        shown["trust"] = {**trust, "prior": {**trust["prior"], **left_out}}
     return json.dumps(shown, indent=1, ensure_ascii=False, default=str)
 
 

@@ -8,8 +8,10 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from brdfit.arrays import FloatArray
-from brdfit.geometry import cos_incident_outgoing
+from brdfit.geometry import directions_from_half_diff
+from brdfit.reconstruct.trust import Silent, TrustMap
 from brdfit.report.coverage import FAR, NEAR, Coverage, Reach
+from brdfit.report.kept_trust import KeptTrust
 from brdfit.report.page.pictures import png_uri
 from brdfit.report.page.svg import Plot, Scale
 from brdfit.report.page.words import percent
@@ -40,8 +42,21 @@ class Trust:
     """(caption, SVG)."""
 
 
-def trust_of(samples: Samples, coverage: Coverage, supplier: str) -> Trust:
-    """Return where `samples` speak, and where `supplier` does ("the population", ...)."""
+def trust_of(
+    samples: Samples, coverage: Coverage, supplier: str, kept: KeptTrust | None = None
+) -> Trust:
+    """Return where `samples` speak, and where `supplier` does ("the population", ...).
+
+    The classes are the fit's own (`kept`), where it kept them; else distance decides.
+    """
+    if kept is not None:
+        measured, interpolated = kept.map.criteria
+        meaning = (
+            f"measured: {measured}",
+            f"interpolated: {interpolated}",
+            f"supplied by {supplier}: all else",
+        )
+        return _told(samples, kept.shares, meaning, kept.map)
     shares = (
         coverage.share,
         coverage.share_between,
@@ -52,15 +67,23 @@ def trust_of(samples: Samples, coverage: Coverage, supplier: str) -> Trust:
         f"interpolated: the nearest one lies {NEAR:g} to {FAR:g} degrees away",
         f"supplied by {supplier}: no measurement within {FAR:g} degrees",
     )
+    return _told(samples, shares, meaning, TrustMap(Reach(samples), Silent()))
+
+
+def _told(
+    samples: Samples,
+    shares: tuple[float, float, float],
+    meaning: tuple[str, str, str],
+    trust: TrustMap,
+) -> Trust:
     styles = ("measured", "between", "supplied")
-    reach = Reach(samples)
     return Trust(
         classes=tuple(
             (style, percent(share), text)
             for style, share, text in zip(styles, shares, meaning, strict=True)
         ),
         bar=_bar(shares, styles),
-        maps=tuple((caption, _map(samples, reach, phi_d)) for phi_d, caption in _PLANES),
+        maps=tuple((caption, _map(samples, trust, phi_d)) for phi_d, caption in _PLANES),
     )
 
 
@@ -85,14 +108,12 @@ def _bar(shares: tuple[float, ...], styles: tuple[str, ...]) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-def _map(samples: Samples, reach: Reach, phi_d: float) -> str:
+def _map(samples: Samples, trust: TrustMap, phi_d: float) -> str:
     root_h = (np.arange(_SIZE) + 0.5) / _SIZE
     theta_h, theta_d = np.meshgrid(root_h**2 * (np.pi / 2), root_h[::-1] * (np.pi / 2))
     plane = np.full(theta_h.shape, np.radians(phi_d))
-    cos_i, cos_o = cos_incident_outgoing(theta_h, theta_d, plane)
-    degrees = reach.degrees(theta_h, theta_d, plane)
-    code = np.where(degrees <= NEAR, 1, np.where(degrees <= FAR, 2, 3))
-    code = np.where((cos_i > 0.0) & (cos_o > 0.0), code, 0)
+    directions = directions_from_half_diff(*(a.ravel() for a in (theta_h, theta_d, plane)))
+    code = trust.evaluate(*directions).reshape(theta_h.shape)
     ticks = tuple((t, f"{t:g}") for t in (0.0, 5.0, 15.0, 30.0, 60.0, 90.0))
     plot = Plot(
         Scale(0.0, 90.0, ticks, "theta_h, degrees (0 = mirror direction)", "root"),
