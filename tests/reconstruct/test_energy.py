@@ -158,8 +158,20 @@ def test_what_measured_cells_leave_above_one_is_said_and_counted(doubt):
     record = limited.record()
     assert record["incidences_above_after"] > 0
     assert record["largest_after"] > 1.1
+    assert record["largest_of_measured_cells_alone"] > 1.0
     assert "measured cells are not moved" in limited.sentence
     assert any("measured cells are not moved" in note for note in limited.table.source.notes)
+
+
+@pytest.mark.parametrize("growth", [20.0, 200.0])
+def test_what_runs_away_a_hundredfold_is_held_too(growth):
+    result = measured_to(54.0, Runaway(albedo=(0.3,), growth=growth))
+    limited = result.limited_table(GRID)
+    measured = limited.classes == Trust.MEASURED
+    assert limited.energy.before.max() > 0.2 * growth
+    assert limited.reached
+    assert np.array_equal(limited.table.values[measured], result.table(GRID).values[measured])
+    assert (limited.table.values[limited.table.mask] > 0.0).all()
 
 
 def test_another_limit_is_kept_and_one_that_cannot_be_is_refused(runaway):

@@ -17,7 +17,9 @@ symmetric scaling of Sinkhorn). f' is reciprocal where f is, has its symmetries,
 above it.
 
 No value is made black to spare another: ln f gives way by at most 3 s. Where that is not enough
-the known values are wrong too, and a second pass lowers all with s > 0 alike.
+the known values are wrong too, and a second pass lowers all with s > 0 alike. Where values with
+s = 0 must stay, that pass has the same bound, and a third has none, at those incidences where the
+values that stay leave room for any other light at all.
 
 References: J.-D. Benamou et al., "Iterative Bregman Projections for Regularized Transportation
 Problems", SIAM Journal on Scientific Computing 37(2), 2015 (the projections); R. Sinkhorn,
@@ -32,7 +34,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from brdfit.arrays import FloatArray, IntArray, frozen
+from brdfit.arrays import BoolArray, FloatArray, IntArray, frozen
 from brdfit.errors import UsageError
 from brdfit.geometry import cos_incident_outgoing
 from brdfit.grid import Grid
@@ -146,6 +148,12 @@ def _factor(
         free = (s > 0.0).astype(np.float64)
         most = np.inf if free.all() else _MOST
         factor *= _Projection(plan, seats, f * factor, free, most, limit).solve()
+    albedo, held = plan.albedo((f * factor)[plan.cells]), plan.albedo((f * (s == 0.0))[plan.cells])
+    within_reach = held < limit * (1.0 - _TOLERANCE)
+    if (albedo > limit)[within_reach].any():
+        free = (s > 0.0).astype(np.float64)
+        last = _Projection(plan, seats, f * factor, free, np.inf, limit, within_reach)
+        factor *= last.solve()
     return factor
 
 
@@ -185,6 +193,8 @@ class _Projection:
     s: FloatArray
     most: float
     limit: float
+    within_reach: BoolArray | None = None
+    """Incidences that are to respect the limit; None: all of them."""
 
     def solve(self) -> FloatArray:
         """Return the factor of every cell, (cells of the grid,)."""
@@ -195,12 +205,14 @@ class _Projection:
             given = self._gives_way(multipliers, cells)
             scaled = f * np.exp(-given)
             everywhere = np.maximum(self.plan.albedo(scaled), _TINY)
+            if self.within_reach is not None:
+                everywhere = np.where(self.within_reach, everywhere, _TINY)
             worst = _worst_around_nodes(everywhere)
             albedo = everywhere[worst]
             # d ln(albedo) / d lambda = -(mean of s^2, weighted by what each cell reflects)
             free = s2 if self.most == np.inf else s2 * (given < self.most * self.s[cells])
             slope = self.plan.albedo(scaled * free)[worst] / albedo
-            movable = slope > _TINY
+            movable = (slope > _TINY) & (albedo > _TINY)
             step = np.where(movable, np.log(albedo / target) / np.where(movable, slope, 1.0), 0.0)
             better = np.maximum(0.0, multipliers + _STEP * step)
             if np.abs((better - multipliers) * slope).max() < _TOLERANCE * _STEP:

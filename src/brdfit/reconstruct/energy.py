@@ -51,12 +51,14 @@ class LimitedAlbedo:
     | `classes` | of grid | `Trust` of each cell, 0 below the horizon; None where the |
     |           |         | limit was respected and nobody had to give way            |
     | `lowered` | of grid | which cells were lowered by more than 0.1 %               |
+    | `held`    | (a, c)  | albedo of the measured cells alone, the others black      |
     """
 
     energy: EnergyLimit
     """The table, and the albedos before and after at every node of theta_d and halfway between."""
     classes: IntArray | None
     lowered: BoolArray
+    held: FloatArray
 
     @property
     def table(self) -> Table:
@@ -77,16 +79,18 @@ class LimitedAlbedo:
             return f"no incidence reflects more than {energy.limit:g} (at most {before:.3f})"
         text = (
             f"{energy.changed:,} cells that nobody measured were lowered, the most to "
-            f"{energy.strongest:.0%} of its value: the largest directional albedo was {before:.3f} "
-            f"and is {after:.3f}"
+            f"{100 * energy.strongest:.2g}% of its value: the largest directional albedo was "
+            f"{before:.3f} and is {after:.3f}"
         )
         if self.reached:
             return text
         over = np.degrees(energy.theta_i[(energy.after > energy.limit).any(axis=1)])
+        alone = float(self.held.max())
         return (
             f"{text}; above {energy.limit:g} still at {over.size} of {energy.theta_i.size} "
-            f"incidences, {over.min():.0f} to {over.max():.0f} degrees, because measured cells are "
-            f"not moved: `brdfit repair` limits them too, or look at the scale of the measurements"
+            f"incidences, {over.min():.0f} to {over.max():.0f} degrees: measured cells are not "
+            f"moved and reflect {alone:.3f} by themselves; `brdfit repair` limits them too, or "
+            f"look at the scale of the measurements"
         )
 
     def record(self) -> dict[str, Any]:
@@ -104,6 +108,9 @@ class LimitedAlbedo:
             "incidences_above_before": int((energy.before > energy.limit).any(axis=1).sum()),
             "incidences_above_after": int((energy.after > energy.limit).any(axis=1).sum()),
             "incidences": int(energy.theta_i.size),
+            "largest_of_measured_cells_alone": (
+                None if classes is None else float(self.held.max())
+            ),
             "cells_lowered": counts,
             "smallest_factor": energy.strongest,
             "sentence": self.sentence,
@@ -122,11 +129,14 @@ def limit_albedo(
     before = plan.of(table)
     if limit > 0.0 and before.max() <= limit:
         asked = EnergyLimit(table, limit, plan.theta_i, frozen(before), frozen(before), 0, 1.0)
-        return LimitedAlbedo(asked, None, np.zeros(table.grid.shape, dtype=bool))
+        nobody = np.zeros(table.grid.shape, dtype=bool)
+        return LimitedAlbedo(asked, None, nobody, frozen(before))
     classes, freedom = _freedom(result, table.grid, progress)
     energy = limit_energy(table, freedom, limit=limit)
     lowered = np.asarray((energy.table.values < _CHANGED * table.values).any(axis=3))
-    found = LimitedAlbedo(energy, classes, lowered)
+    stay = table.values * (classes == Trust.MEASURED)[..., None]
+    held = frozen(plan.of(replace(table, values=stay)))
+    found = LimitedAlbedo(energy, classes, lowered, held)
     source = replace(table.source, notes=(*table.source.notes, f"albedo: {found.sentence}"))
     noted = replace(energy.table, source=source)
     return replace(found, energy=replace(energy, table=noted))
