@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from brdfit.bench.paper.tab_operator import TabOperator
-from brdfit.reconstruct.tabulated import Tabulated, half_diff_features
+from brdfit.reconstruct.coordinates import half_diff_features
+from brdfit.reconstruct.tabulated import Tabulated
 
 
 def features(rng, n):

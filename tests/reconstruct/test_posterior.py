@@ -12,7 +12,6 @@ from brdfit.grid import Grid
 from brdfit.reconstruct import Posterior
 from brdfit.reconstruct.posterior.principal import axes_of
 from brdfit.reconstruct.posterior.prior import population_prior
-from brdfit.reconstruct.posterior.residual import LocalResidual, Scale
 
 
 @pytest.fixture
@@ -121,23 +120,23 @@ def test_the_prior_has_the_mean_and_the_covariance_of_the_weighted_columns():
     assert np.allclose(prior.factor @ prior.factor.T, expected)
 
 
-def test_the_residual_on_axes_is_the_residual_at_the_nodes():
-    residual = LocalResidual.of(Scale(0.2, 0.3, 120))
-    z = np.random.default_rng(5).normal(size=(residual.size, 2))
-    grid = Grid(5, 4, 6)
-    dense = residual.on_axes(z, grid.theta_h, grid.theta_d, grid.phi_d)
-    at_nodes = residual.at(grid.half_diff(np.arange(grid.size))) @ z
-    assert np.allclose(dense.reshape(-1, 2), at_nodes, atol=1e-4)
+def test_half_the_rows_as_centres_say_nearly_the_same(toy, measure):
+    samples = measure(n=240)
+    materials = toy.without(["m4"])
+    whole = Posterior(population=materials).fit(samples)
+    sparse = Posterior(population=materials, residual_size=120).fit(samples)
+    at = measure(n=100, seed=9).safe_directions
+    assert np.median(off(whole.evaluate(*at), sparse.evaluate(*at))) < 0.01
+    ratio = sparse.stddev(*at) / whole.stddev(*at)
+    assert 0.8 < np.median(ratio) < 1.5
 
 
-def test_the_residual_is_reciprocal_and_knows_no_azimuth_at_the_poles():
-    residual = LocalResidual.of(Scale())
-    angle = np.array([0.3, 0.7, 1.1])
-    one = residual.at((angle, angle, angle))
-    assert np.allclose(one, residual.at((angle, angle, angle + np.pi)))
-    for pole in ((angle * 0.0, angle, angle), (angle, angle * 0.0, angle)):
-        turned = (pole[0], pole[1], angle + 0.5)
-        assert np.allclose(residual.at(pole), residual.at(turned), atol=1e-6)
+def test_the_table_is_the_reconstruction_at_the_nodes(method, measure):
+    result = method.fit(measure(n=200))
+    grid = Grid(30, 20, 24)
+    table = result.table(grid)
+    at = grid.directions(grid.cells)
+    assert np.median(off(table.evaluate(*at), result.evaluate(*at))) < 1e-3
 
 
 def test_the_leading_directions_are_the_largest_in_ln_f_r_and_the_prior_is_the_same():

@@ -8,7 +8,7 @@ import pytest
 from brdfit.errors import FitError
 from brdfit.geometry import directions_from_spherical, half_diff_from_directions
 from brdfit.reconstruct import Tabulated
-from brdfit.reconstruct.tabulated import half_diff_features
+from brdfit.reconstruct.coordinates import half_diff_features
 from brdfit.samples import Samples
 
 KERNELS = ["linear", "thin_plate_spline", "cubic"]

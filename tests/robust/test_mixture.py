@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import t
 
 from brdfit.robust import Background, Factors, Mixture
 
@@ -81,3 +82,28 @@ def test_the_kind_of_outlier_is_told_by_what_they_follow():
         assert abs(mixture.share - 0.5) < 0.08
     assert shares[0] > 0.85
     assert shares[1] < 0.1
+
+
+def test_an_inlier_with_tails_is_believed_where_a_normal_is_not_but_counts_for_less():
+    y, known = np.array([[0.0], [0.1], [0.45]]), np.ones((3, 1), dtype=bool)
+    background, variance = Background(0.0, 1.0), np.full(3, 0.01)
+    normal, tails = (
+        Mixture(0.05, background, freedom=nu).judge(y, np.zeros((3, 1)), variance, known)
+        for nu in (np.inf, 4.0)
+    )
+    assert np.array_equal(normal.credit, np.ones(3))
+    assert normal.responsibility[2] < 0.1 < 0.5 < tails.responsibility[2]
+    assert tails.credit[2] < 0.3 < 1.0 < tails.credit[0]
+    assert np.isclose(tails.credit[1], 1.0)
+
+
+def test_the_tails_are_those_of_students_t_and_a_normal_is_their_limit():
+    e, variance = np.array([0.3, -1.2]), np.array([0.04, 0.2])
+    known, mean = np.ones((2, 1), dtype=bool), np.zeros((2, 1))
+    tails = Mixture(1e-12, Background(0.0, 1.0), freedom=4.0)
+    found = tails.judge(e[:, None], mean, variance, known).log_likelihood
+    assert np.allclose(found, t(4.0, scale=np.sqrt(variance)).logpdf(e), atol=1e-6)
+    near = Mixture(0.2, Background(0.0, 1.0), freedom=1e7)
+    far = Mixture(0.2, Background(0.0, 1.0))
+    one, other = (m.judge(e[:, None], mean, variance, known) for m in (near, far))
+    assert np.allclose(one.responsibility, other.responsibility, atol=1e-5)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from brdfit.linalg.definite import inverse_by_halves, solved, sweep_if_compiled
 from brdfit.linalg.gaussian import CoefficientPosterior, LeftOut
+from brdfit.linalg.kriging import CovariancePosterior
 from brdfit.linalg.normal_equations import (
     NormalEquations,
     RidgeFit,
@@ -16,6 +17,7 @@ from brdfit.linalg.threads import one_thread
 
 __all__ = [
     "CoefficientPosterior",
+    "CovariancePosterior",
     "LeftOut",
     "NormalEquations",
     "RidgeFit",

@@ -25,7 +25,7 @@ import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
 
-__all__ = ["CoefficientPosterior", "LeftOut"]
+__all__ = ["CoefficientPosterior", "LeftOut", "conjugate_gradients"]
 
 # Relative size of the residual at which columns of their own weights are solved.
 _TOLERANCE = 1e-9
@@ -67,7 +67,7 @@ class CoefficientPosterior:
             return self.apply(self._moment(y))
         filled = np.where(known, y, 0.0)
         start = self.apply(self._moment(filled))
-        return _conjugate_gradients(
+        return conjugate_gradients(
             lambda z: z + self._moment(np.where(known, self.features @ z, 0.0)),
             self._moment(filled),
             self.apply,
@@ -79,6 +79,10 @@ class CoefficientPosterior:
         from scipy.linalg import cho_solve
 
         return np.asarray(cho_solve((self.factor, True), right, check_finite=False))
+
+    def fitted(self, coefficients: FloatArray) -> FloatArray:
+        """Return Phi z (n, c)."""
+        return np.asarray(self.features @ coefficients)
 
     def variance(self, features: FloatArray) -> FloatArray:
         """Return phi^T A^-1 phi (m,) for rows phi (m, d)."""
@@ -105,7 +109,7 @@ def factor_of(gram: FloatArray) -> FloatArray:
     return np.asarray(cholesky(gram, lower=True, overwrite_a=True, check_finite=False))
 
 
-def _conjugate_gradients(
+def conjugate_gradients(
     product: Callable[[FloatArray], FloatArray],
     right: FloatArray,
     precondition: Callable[[FloatArray], FloatArray],

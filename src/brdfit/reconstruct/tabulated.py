@@ -20,6 +20,7 @@ from brdfit.grid import Grid
 from brdfit.linalg import one_thread
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.checks import check_count
+from brdfit.reconstruct.coordinates import half_diff_features
 from brdfit.reconstruct.result import Reconstruction, direct_result
 from brdfit.samples import Samples
 
@@ -31,25 +32,6 @@ _SAME_PLACE = 1e-7
 _SMALLEST = 1e-6
 _CHUNK = 65_536
 _KERNELS = ("linear", "thin_plate_spline", "cubic")
-
-
-def half_diff_features(theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray) -> FloatArray:
-    """Return coordinates (n, 4) in which nearby points are nearby directions.
-
-    (sqrt(theta_h / (pi/2)), theta_d / (pi/2), r cos 2 phi_d, r sin 2 phi_d) with
-    r = sin theta_h sin theta_d: reciprocity (phi_d + pi) changes nothing, and at the poles,
-    where phi_d has no meaning, neither does phi_d.
-    """
-    r = np.sin(theta_h) * np.sin(theta_d)
-    return np.stack(
-        [
-            np.sqrt(theta_h / (np.pi / 2)),
-            theta_d / (np.pi / 2),
-            r * np.cos(2.0 * phi_d),
-            r * np.sin(2.0 * phi_d),
-        ],
-        axis=-1,
-    )
 
 
 @dataclass(frozen=True, eq=False)

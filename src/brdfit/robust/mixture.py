@@ -1,24 +1,31 @@
 """Two components for every row: a measurement with its own noise, or something else.
 
 A row i has residuals e_ic = y_ic - prediction over its known entries c. With probability
-1 - pi it is an *inlier*, e normal of variance V_i; with probability pi an *outlier*, of one of
-two kinds. Either its value is the right one times some factor (a gain, an exposure, a shadow):
-a normal around the prediction that is much broader than noise. Or it knows of no prediction:
-a normal over the values themselves, with a thin floor beneath it. Both are as broad as the
+1 - pi it is an *inlier*, e normal of variance V_i, or of Student's t with nu degrees of freedom
+and that scale: predictions of a BRDF are far off more often than a normal allows, where it
+changes faster than the samples tell. With probability pi it is an *outlier*, of one of two
+kinds. Either its value is the right one times some factor (a gain, an exposure, a shadow): a
+normal around the prediction that is much broader than noise. Or it knows of no prediction: a
+normal over the values themselves, with a thin floor beneath it. Both are as broad as the
 outliers found so far, and so is the share q of the first kind.
 
-    ln N_i = mean over c of  -1/2 (e_ic^2 / V_i + ln 2 pi V_i)
-    ln F_i = the same at variance V_i + spread^2
+    E_i    = mean over c of  e_ic^2
+    ln N_i = -1/2 (E_i / V_i + ln 2 pi V_i)      or     ln t_nu(sqrt(E_i); V_i)
+    ln F_i = -1/2 (E_i / V + ln 2 pi V),  V = V_i + spread^2
     ln O_i = mean over c of  ln( (1 - t) N(y_ic; centre, breadth^2) + t N(y_ic; centre, 5^2) )
 
     r_i = (1 - pi) N_i / ((1 - pi) N_i + pi (q F_i + (1 - q) O_i))     responsibility, or weight
 
 Means over the entries, not sums: entries of a row are wrong together, and thirty bands of
 one direction are not thirty witnesses. Repeating a column changes nothing.
+
+Student's t is a normal of unknown variance: u_i = (nu + 1) / (nu + E_i / V_i), the expected
+V_i over that variance, is what an inlier counts for (1 for a normal).
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,7 +112,9 @@ class Verdict:
     factor: FloatArray
     """(n,) in [0, 1]: how likely a row is wrong by a factor; at most 1 - responsibility."""
     square: FloatArray
-    """Mean of e^2 over the known entries (n,)."""
+    """E: mean of e^2 over the known entries (n,)."""
+    credit: FloatArray
+    """u (n,), > 0: what a row counts for, if it is an inlier."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +124,8 @@ class Mixture:
     share: float
     background: Background
     factors: Factors = Factors()
+    freedom: float = np.inf
+    """nu: degrees of freedom of an inlier; infinite for a normal."""
 
     def judge(
         self, y: FloatArray, mean: FloatArray, variance: FloatArray, known: BoolArray
@@ -122,7 +133,7 @@ class Mixture:
         """Judge y (n, c) against predictions `mean` (n, c) of variance (n,), noise included."""
         square = mean_known((y - mean) ** 2, known)
         q = self.factors.share
-        right = np.log1p(-self.share) + _log_normal(square, variance)
+        right = np.log1p(-self.share) + self._log_inlier(square, variance)
         factor = np.log(self.share * q) + _log_normal(square, variance + self.factors.spread**2)
         elsewhere = self.background.log_density(y, known) + np.log(self.share * (1.0 - q))
         total = np.logaddexp(right, np.logaddexp(factor, elsewhere))
@@ -132,7 +143,23 @@ class Mixture:
             np.where(any_known, total, 0.0),
             np.where(any_known, np.exp(factor - total), 0.0),
             square,
+            self._credit(square, variance),
         )
+
+    def _log_inlier(self, square: FloatArray, variance: FloatArray) -> FloatArray:
+        """Return ln N_i (n,)."""
+        nu = self.freedom
+        if np.isinf(nu):
+            return _log_normal(square, variance)
+        constant = math.lgamma((nu + 1.0) / 2.0) - math.lgamma(nu / 2.0)
+        tail = 0.5 * (nu + 1.0) * np.log1p(square / (nu * variance))
+        return np.asarray(constant - 0.5 * np.log(nu * np.pi * variance) - tail)
+
+    def _credit(self, square: FloatArray, variance: FloatArray) -> FloatArray:
+        nu = self.freedom
+        if np.isinf(nu):
+            return np.ones(len(square))
+        return np.asarray((nu + 1.0) / (nu + square / variance))
 
     def updated(self, y: FloatArray, verdict: Verdict, known: BoolArray) -> Mixture:
         """Return the mixture that fits the responsibilities (n,); its shares within (0, 1)."""
@@ -145,6 +172,7 @@ class Mixture:
             share,
             Background.of(y, known, elsewhere),
             Factors.of(wrong, verdict.factor, verdict.square),
+            self.freedom,
         )
 
 

@@ -18,6 +18,7 @@ from brdfit.bench.paper.tab_operator import TabOperator
 from brdfit.geometry import half_diff_from_directions
 from brdfit.linalg import NormalEquations, nonnegative
 from brdfit.reconstruct.combination import Combination, encode_members
+from brdfit.reconstruct.coordinates import half_diff_features
 from brdfit.reconstruct.correction_basis import CorrectionBasis, MemberGram
 from brdfit.reconstruct.correction_functions import CorrectionFunctions
 from brdfit.reconstruct.corrections import log_of_corrections
@@ -27,7 +28,7 @@ from brdfit.reconstruct.members import MemberRows
 from brdfit.reconstruct.pca_ridge import PcaRidge
 from brdfit.reconstruct.posterior import Posterior
 from brdfit.reconstruct.result import settings_record
-from brdfit.reconstruct.tabulated import Tabulated, half_diff_features
+from brdfit.reconstruct.tabulated import Tabulated
 from brdfit.reconstruct.targets import Targets
 from brdfit.transform import error_metric
 

@@ -28,10 +28,10 @@ from brdfit.grid import MERL_GRID, Grid
 from brdfit.populations import Population, remember
 from brdfit.populations.store import stored_cells
 from brdfit.progress import Progress, silent
+from brdfit.reconstruct.compact.residual import LocalResidual, Scale
 from brdfit.reconstruct.correction_basis import training_cells
 from brdfit.reconstruct.members import MemberRows
 from brdfit.reconstruct.posterior.prior import BRIGHTNESS
-from brdfit.reconstruct.posterior.residual import LocalResidual, Scale
 from brdfit.reconstruct.result import population_record
 from brdfit.table import Table
 

@@ -21,17 +21,13 @@ from brdfit.reconstruct.posterior.principal import (
     column_weights,
     principal_basis,
 )
-from brdfit.reconstruct.posterior.residual import Scale
-from brdfit.reconstruct.posterior.stages import Design, Kernel, Search, Winner, explain
+from brdfit.reconstruct.posterior.stages import Design, Search, Winner, explain
 from brdfit.reconstruct.result import Reconstruction, population_record
 from brdfit.reconstruct.targets import Targets
 from brdfit.samples import Samples
 
 __all__ = ["Posterior"]
 
-# Length scales along u and v, and amplitudes, that are tried. Chosen by hand on twelve of the
-# materials that `brdfit bench sweep` sets apart.
-_TRIED = ((0.2, 0.3, 0.1), (0.2, 0.3, 0.3), (0.1, 0.2, 0.3), (0.2, 0.3, 1.0))
 # A sample that is more likely wrong than right is named.
 _HALF = 0.5
 _MOST_SAMPLES = 50_000
@@ -49,8 +45,8 @@ class Posterior:
     """1/sr: absolute noise; far below it a measurement says little."""
     starts: int = 6
     """Members of the population that the search starts from, beside their mean."""
-    residual_size: int = 600
-    """Functions that describe how a material leaves the population."""
+    residual_size: int = 1500
+    """Samples, at most, that the local residual hangs on: how a material leaves the population."""
 
     def __post_init__(self) -> None:
         check_above("noise_floor", self.noise_floor, 0.0)
@@ -93,8 +89,7 @@ class Posterior:
 
     def search(self) -> Search:
         """Return what the fit tries."""
-        kernels = tuple(Kernel(Scale(u, v, self.residual_size), a) for u, v, a in _TRIED)
-        return Search(kernels, starts=self.starts)
+        return Search(starts=self.starts, centres=self.residual_size)
 
     def _result(
         self,
@@ -139,12 +134,12 @@ def _outcome(usable: int, wrong: int, settled: bool) -> Outcome:
 
 
 def _figures(winner: Winner) -> dict[str, float]:
-    belief = winner.explanation.belief
+    belief, kernel = winner.explanation.belief, winner.system.kernel
     return {
         "noise": belief.width,
         "outlier_share": belief.mixture.share,
-        "residual_amplitude": winner.kernel.amplitude,
-        "length_u": winner.kernel.scale.along_u,
-        "length_v": winner.kernel.scale.along_v,
+        "residual_amplitude": kernel.amplitude,
+        "residual_length": kernel.length,
+        "residual_stretch": kernel.stretch,
         "left_out_log_likelihood": winner.explanation.score,
     }

@@ -10,8 +10,8 @@ from brdfit.arrays import FloatArray
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import Grid
 from brdfit.progress import Progress
+from brdfit.reconstruct.posterior.kernel import Angles
 from brdfit.reconstruct.posterior.principal import PrincipalBasis
-from brdfit.reconstruct.posterior.residual import LocalResidual
 from brdfit.reconstruct.posterior.stages import Winner
 
 __all__ = ["PosteriorModel"]
@@ -30,18 +30,16 @@ class PosteriorModel:
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (n, c), 1/sr, at directions above the horizon."""
-        parts = [np.empty((0, self.winner.explanation.coefficients.shape[1]))]
+        parts: list[FloatArray] = [np.empty((0, self.winner.solution.local.shape[1]))]
         for start in range(0, len(wi), _CHUNK):
             rows = slice(start, start + _CHUNK)
-            base, features = self._features(wi[rows], wo[rows])
-            parts.append(base[:, None] + features @ self.winner.explanation.coefficients)
-        return np.exp(np.clip(np.concatenate(parts), _LOWEST, _HIGHEST))
+            parts.append(self.winner.mean(*self._at(wi[rows], wo[rows])))
+        return np.asarray(np.exp(np.clip(np.concatenate(parts), _LOWEST, _HIGHEST)))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
         """Return f_r (grid.cells.size, c), 1/sr."""
-        prior, kernel = self.winner.prior, self.winner.kernel
-        coefficients = self.winner.explanation.coefficients
-        combination, constant = prior.combination(coefficients[: prior.size])
+        system, solution = self.winner.system, self.winner.solution
+        combination, constant = system.prior.combination(solution.population)
         stored = self.basis.on_grid(grid, progress)
         combination = combination.astype(np.float32)
         blocks = [
@@ -49,9 +47,7 @@ class PosteriorModel:
             for start in range(0, len(stored.rows), _CHUNK)
         ]
         result = (np.concatenate(blocks) + constant.astype(np.float32))[stored.expand]
-        local = LocalResidual.of(kernel.scale).on_axes(
-            kernel.amplitude * coefficients[prior.size :], grid.theta_h, grid.theta_d, grid.phi_d
-        )
+        local = system.kernel.on_grid(grid, system.centres, solution.local)
         result += local.reshape(-1, result.shape[1])[grid.cells]
         return np.exp(np.clip(result, _LOWEST, _HIGHEST, out=result), out=result)
 
@@ -63,10 +59,9 @@ class PosteriorModel:
         variance: list[FloatArray] = [np.empty(0)]
         for start in range(0, len(wi), _CHUNK):
             rows = slice(start, start + _CHUNK)
-            _, features = self._features(wi[rows], wo[rows])
-            variance.append(self.winner.explanation.posterior.variance(features))
+            variance.append(self.winner.variance(*self._at(wi[rows], wo[rows])))
         deviation = np.sqrt(np.concatenate(variance))
-        channels = self.winner.explanation.coefficients.shape[1]
+        channels = self.winner.solution.local.shape[1]
         return np.repeat(deviation[:, None], channels, axis=1)
 
     @property
@@ -76,14 +71,11 @@ class PosteriorModel:
 
     def prior_stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return that of ln f_r before any sample (n,), the brightness known."""
-        brightness = self.winner.prior.size - 1
-        variance: list[FloatArray] = [np.empty(0)]
+        parts: list[FloatArray] = [np.empty(0)]
         for start in range(0, len(wi), _CHUNK):
             rows = slice(start, start + _CHUNK)
-            _, features = self._features(wi[rows], wo[rows])
-            variance.append((features**2).sum(axis=1) - features[:, brightness] ** 2)
-        return np.asarray(np.sqrt(np.maximum(np.concatenate(variance), 0.0)))
+            parts.append(self.winner.prior_variance(self.basis.at(wi[rows], wo[rows])))
+        return np.asarray(np.sqrt(np.concatenate(parts)))
 
-    def _features(self, wi: FloatArray, wo: FloatArray) -> tuple[FloatArray, FloatArray]:
-        components = self.basis.at(wi, wo)
-        return self.winner.features(components, half_diff_from_directions(wi, wo))
+    def _at(self, wi: FloatArray, wo: FloatArray) -> tuple[FloatArray, Angles]:
+        return self.basis.at(wi, wo), half_diff_from_directions(wi, wo)

@@ -2,10 +2,10 @@
 
 Repeated until the responsibilities stay where they are:
 
-    1.  w_i = r_i / V_i                                  V_i = s^2 + scatter_i
-    2.  coefficients z from rows of weight w             (`linalg.gaussian`)
+    1.  w_i = r_i u_i / V_i                              V_i = s^2 + scatter_i
+    2.  coefficients from rows of weight w               (`linalg.gaussian`, `linalg.kriging`)
     3.  what the *other* rows say of each row            mean_i, var_i
-    4.  r from the mixture at variance var_i + V_i       (`robust.mixture`)
+    4.  r, u from the mixture at variance var_i + V_i    (`robust.mixture`)
     5.  pi and s from r
 
 A row is judged by the others: with a residual free enough to follow one sample, every sample
@@ -15,17 +15,18 @@ lost to a moment's confidence, and is drawn toward `EXPECTED` by a few imagined 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
-from brdfit.arrays import BoolArray, FloatArray
-from brdfit.linalg import CoefficientPosterior, LeftOut
+from brdfit.arrays import BoolArray, FloatArray, IntArray
+from brdfit.linalg import LeftOut
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.robust import Mixture, Verdict
 
-__all__ = ["Belief", "Explanation", "refine"]
+__all__ = ["Belief", "Explanation", "Posterior", "refine"]
 
 EXPECTED = 0.05
 """ln f_r: the noise that is expected before anything is known."""
@@ -43,6 +44,25 @@ class Belief:
     width: float
     """s, relative noise of an inlier, ln f_r."""
     mixture: Mixture
+    credit: FloatArray
+    """u (n,)."""
+
+    def take(self, index: IntArray) -> Belief:
+        """Return what is believed of some of the rows."""
+        return replace(self, responsibility=self.responsibility[index], credit=self.credit[index])
+
+
+class Posterior(Protocol):
+    """What `CoefficientPosterior` and `CovariancePosterior` have in common."""
+
+    def solve(self, y: FloatArray, known: BoolArray | None = None) -> FloatArray:
+        """Return coefficients (d, c) from y (n, c)."""
+
+    def fitted(self, coefficients: FloatArray) -> FloatArray:
+        """Return what they predict at the rows (n, c)."""
+
+    def left_out(self, y: FloatArray, mean: FloatArray) -> LeftOut:
+        """Return what the other rows say of each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +70,8 @@ class Explanation:
     """Coefficients and what the data say of them."""
 
     coefficients: FloatArray
-    """z (d, c)."""
-    posterior: CoefficientPosterior
+    """(d, c), of whatever the posterior is made of."""
+    posterior: Posterior
     mean: FloatArray
     """Fitted ln f_r (n, c)."""
     left_out: LeftOut
@@ -65,16 +85,16 @@ class Explanation:
 def refine(
     data: Measurements,
     base: FloatArray,
-    features: FloatArray,
+    weighted: Callable[[FloatArray], Posterior],
     belief: Belief,
     steps: int,
 ) -> Explanation:
-    """Return the explanation that `belief` leads to, for ln f_r = base (n,) + features z.
+    """Return the explanation that `belief` leads to, for ln f_r = base (n,) + what is unknown.
 
-    `features` (n, d) are float64 rows with a standard normal prior on z.
+    `weighted` gives the posterior of the unknown for weights (n,).
     """
     last: Explanation | None = None
-    for step, explained in enumerate(_states(data, base, features, belief), start=1):
+    for step, explained in enumerate(_states(data, base, weighted, belief), start=1):
         moved = 1.0
         if last is not None:
             change = explained.belief.responsibility - last.belief.responsibility
@@ -89,16 +109,19 @@ def refine(
 
 
 def _states(
-    data: Measurements, base: FloatArray, features: FloatArray, belief: Belief
+    data: Measurements,
+    base: FloatArray,
+    weighted: Callable[[FloatArray], Posterior],
+    belief: Belief,
 ) -> Iterator[Explanation]:
     """Yield explanation after explanation, without end."""
     y = data.y - base[:, None]
     known = data.known
     while True:
         variance = belief.width**2 + data.scatter
-        posterior = CoefficientPosterior.of(features, belief.responsibility / variance)
+        posterior = weighted(belief.responsibility * belief.credit / variance)
         coefficients = posterior.solve(y, None if known.all() else known)
-        fitted = features @ coefficients
+        fitted = posterior.fitted(coefficients)
         left_out = posterior.left_out(y, fitted)
         known = data.informative(fitted + base[:, None])
         spread = left_out.variance + variance
@@ -109,6 +132,7 @@ def _states(
             verdict.responsibility,
             _width(belief.width, verdict, y - left_out.mean, spread, known),
             belief.mixture.updated(data.y, verdict, known),
+            verdict.credit,
         )
         yield Explanation(
             coefficients,
@@ -127,7 +151,7 @@ def _width(
 ) -> float:
     """Return s for which left-out residuals are as large as they are said to be."""
     count = np.maximum(known.sum(axis=1), 1)
-    size = np.where(known, residual**2, 0.0).sum(axis=1) / count / spread
+    size = np.where(known, residual**2, 0.0).sum(axis=1) / count / spread * verdict.credit
     r = verdict.responsibility * known.any(axis=1)
     too_large = float((r * size).sum() / max(r.sum(), 1e-9))
     total = r.sum() * width**2 * np.clip(too_large, 0.25, 4.0) + _IMAGINED * EXPECTED**2

@@ -3,54 +3,62 @@
 1. The population alone, from several starts; the most likely explanation is kept.
 2. Population and local residual, from the first stage's verdict *and* from believing
    everybody: a lobe that no member has looks like outliers to the first stage, but its samples
-   agree with one another. Every length scale and amplitude of a short list is tried; the one
-   under which left-out samples are most likely wins.
+   agree with one another. Of the kernels of a short list, tried on some of the samples, the one
+   under which left-out samples are most likely is brought to rest on all.
+
+An inlier of the first stage is normal, that of the second has the tails of Student's t: the
+population alone must not take an outlier for a measurement that is a little off, but beside
+what its neighbours say a sample is seldom off by noise alone.
 """
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain
 
 import numpy as np
 
 from brdfit.arrays import FloatArray
+from brdfit.linalg import CoefficientPosterior
 from brdfit.progress import Progress, silent
+from brdfit.reconstruct.posterior.kernel import Angles, Kernel
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.prior import PopulationPrior, closer, population_prior
 from brdfit.reconstruct.posterior.refine import Belief, Explanation, refine
-from brdfit.reconstruct.posterior.residual import LocalResidual, Scale
 from brdfit.reconstruct.posterior.starts import WIDE, starting_beliefs
+from brdfit.reconstruct.posterior.systems import Solution, Sparse, System, Whole
 from brdfit.robust import Background, Mixture
 
-__all__ = ["Design", "Kernel", "Search", "Winner", "explain"]
+__all__ = ["Design", "Search", "Winner", "explain"]
 
 DEPARTURE = 5.0
 """Price in ln likelihood of an e-fold of residual amplitude: it decides where samples are few."""
+FREEDOM = 4.0
+"""nu of an inlier of the second stage."""
 _LABEL = "posterior"
-
-Angles = tuple[FloatArray, FloatArray, FloatArray]
-
-
-@dataclass(frozen=True)
-class Kernel:
-    """Length scales and amplitude of the local residual."""
-
-    scale: Scale
-    amplitude: float
 
 
 @dataclass(frozen=True)
 class Search:
     """What is tried, and how long."""
 
-    kernels: tuple[Kernel, ...]
+    shapes: tuple[tuple[float, float], ...] = ((0.15, 1), (0.4, 1), (0.4, 3), (1, 1), (1, 3))
+    """Length and stretch of the kernels; each is tried at the first amplitude..."""
+    amplitudes: tuple[float, ...] = (0.3, 0.1, 1.0)
+    """...and the best of them at the others."""
     starts: int = 6
     first_steps: int = 12
     screening_steps: int = 3
     second_steps: int = 8
     last_steps: int = 4
-    rows: int = 3000
+    screening_rows: int = 500
+    """Samples that kernels are compared on."""
+    rows: int = 1000
     """Samples that the search looks at; the rest join in when it is over."""
+    centres: int = 1500
+    """Samples that the residual may hang on."""
     leading: int = 80
     """Directions of the prior in the first stage, at most..."""
     rows_per_direction: int = 8
@@ -92,24 +100,42 @@ class Design:
 
 @dataclass(frozen=True, eq=False)
 class Winner:
-    """The explanation that was kept, the prior and the kernel that it is made of."""
+    """The explanation that was kept, and the system that it solves."""
 
-    prior: PopulationPrior
-    kernel: Kernel
+    system: System
+    solution: Solution
     explanation: Explanation
-    tried: int
 
-    def features(self, components: FloatArray, angles: Angles) -> tuple[FloatArray, FloatArray]:
-        """Return (base (n,), features (n, d)) at [mu | B] (n, 1 + q) and angles."""
-        return _features(self.prior, self.kernel, components, angles)
+    @classmethod
+    def of(cls, system: System, explanation: Explanation) -> Winner:
+        """Return the winner whose explanation solves `system`."""
+        return cls(system, system.solution(explanation.coefficients), explanation)
 
-    def judge(self, data: Measurements, base: FloatArray, features: FloatArray) -> Belief:
-        """Return what the coefficients make of other samples than they were fitted to."""
+    def mean(self, components: FloatArray, angles: Angles) -> FloatArray:
+        """Return ln f_r (n, c) at [mu | B] (n, 1 + q) and angles."""
+        prior, kernel = self.system.prior, self.system.kernel
+        of_population = prior.features(components) @ self.solution.population
+        local = kernel.between(angles, self.system.centres) @ self.solution.local
+        return np.asarray(prior.log_mean(components)[:, None] + of_population + local)
+
+    def variance(self, components: FloatArray, angles: Angles) -> FloatArray:
+        """Return that of ln f_r (n,)."""
+        features = self.system.prior.features(components)
+        return self.system.variance(self.explanation.posterior, features, angles)
+
+    def prior_variance(self, components: FloatArray) -> FloatArray:
+        """Return that of ln f_r before any sample, the brightness known, (n,)."""
+        features = self.system.prior.features(components)[:, :-1]
+        return np.asarray((features**2).sum(axis=1) + self.system.kernel.amplitude**2)
+
+    def judge(self, data: Measurements, design: Design) -> Belief:
+        """Return what the solution makes of other samples than it was fitted to."""
         belief = self.explanation.belief
-        mean = base[:, None] + features @ self.explanation.coefficients
-        spread = self.explanation.posterior.variance(features) + belief.width**2 + data.scatter
+        mean = self.mean(design.components, design.angles)
+        spread = self.variance(design.components, design.angles)
+        spread += belief.width**2 + data.scatter
         verdict = belief.mixture.judge(data.y, mean, spread, data.informative(mean))
-        return Belief(verdict.responsibility, belief.width, belief.mixture)
+        return Belief(verdict.responsibility, belief.width, belief.mixture, verdict.credit)
 
 
 def explain(
@@ -120,13 +146,12 @@ def explain(
     The search looks at `Search.rows` of the samples; its winner is brought to rest on all.
     """
     some = data.spread_out(search.rows)
-    if len(some) < len(data):
-        found = _explained(data.take(some), design.take(some), search, progress)
-        base, features = found.features(design.components, design.angles)
-        belief = found.judge(data, base, features)
-        explained = refine(data, base, features, belief, search.last_steps)
-        return replace(found, explanation=explained)
-    return _explained(data, design, search, progress)
+    found = _explained(data.take(some), design.take(some), search, progress)
+    if len(some) == len(data):
+        return found
+    belief = found.judge(data, design)
+    system = _system(data, design, found.system.prior, found.system.kernel, belief, search)
+    return _at_rest(data, design, system, belief, search.last_steps)
 
 
 def _explained(data: Measurements, design: Design, search: Search, progress: Progress) -> Winner:
@@ -143,15 +168,6 @@ def _explained(data: Measurements, design: Design, search: Search, progress: Pro
     return found
 
 
-def _features(
-    prior: PopulationPrior, kernel: Kernel, components: FloatArray, angles: Angles
-) -> tuple[FloatArray, FloatArray]:
-    """Return (base (n,), features (n, d)): population, brightness, local residual."""
-    local = LocalResidual.of(kernel.scale).at(angles)
-    features = np.hstack([prior.features(components), kernel.amplitude * local])
-    return prior.log_mean(components), features
-
-
 def _by_population(
     data: Measurements,
     design: Design,
@@ -161,8 +177,9 @@ def _by_population(
 ) -> Explanation:
     leading = prior.leading(min(search.leading, max(3, len(data) // search.rows_per_direction)))
     base, features = prior.log_mean(design.components), leading.features(design.components)
+    weighted = partial(CoefficientPosterior.of, features)
     found = [
-        refine(data, base, features, belief, search.first_steps)
+        refine(data, base, weighted, belief, search.first_steps)
         for belief in starting_beliefs(data, candidates, search.starts)
     ]
     return max(found, key=lambda explained: explained.score)
@@ -189,30 +206,81 @@ def _with_residual(
     first: Explanation,
     search: Search,
 ) -> Winner:
-    beliefs = [first.belief, everybody(data)]
-    tried: list[list[Winner]] = [[] for _ in beliefs]
-    count = len(search.kernels) * len(beliefs)
-    for kernel in search.kernels:
-        base, features = _features(prior, kernel, design.components, design.angles)
-        for found, belief in zip(tried, beliefs, strict=True):
-            explained = refine(data, base, features, belief, search.screening_steps)
-            found.append(Winner(prior, kernel, explained, count))
-    # The best kernel of each start has its time: a start that is right may settle more slowly.
-    finished = []
-    for winner in (max(found, key=_merit) for found in tried):
-        base, features = winner.features(design.components, design.angles)
-        belief = winner.explanation.belief
-        explained = refine(data, base, features, belief, search.second_steps)
-        finished.append(replace(winner, explanation=explained))
-    return max(finished, key=_merit)
+    """Return the better of two explanations; each start has a thread of its own."""
+
+    def settled(belief: Belief) -> Winner:
+        belief = replace(belief, mixture=replace(belief.mixture, freedom=FREEDOM))
+        kernel = _best_kernel(data, design, prior, belief, search)
+        system = _system(data, design, prior, kernel, belief, search)
+        return _at_rest(data, design, system, belief, search.second_steps)
+
+    with ThreadPoolExecutor(2) as pool:
+        found = list(pool.map(settled, (first.belief, everybody(data))))
+    return max(found, key=_merit)
+
+
+def _best_kernel(
+    data: Measurements,
+    design: Design,
+    prior: PopulationPrior,
+    belief: Belief,
+    search: Search,
+) -> Kernel:
+    """Return the kernel under which left-out samples are most likely, after a few steps."""
+    some = data.spread_out(search.screening_rows)
+    data, design, belief = data.take(some), design.take(some), belief.take(some)
+    whole = _whole(design, prior, Kernel(1.0, 1.0, 1.0))
+
+    def tried(kernel: Kernel) -> tuple[float, Kernel]:
+        system = replace(whole, kernel=kernel)
+        return _merit(_at_rest(data, design, system, belief, search.screening_steps)), kernel
+
+    first, *others = search.amplitudes
+    shapes = [tried(Kernel(length, stretch, first)) for length, stretch in search.shapes]
+    best = max(shapes, key=lambda found: found[0])
+    amplitudes = (tried(replace(best[1], amplitude=a)) for a in others)
+    return max(chain([best], amplitudes), key=lambda found: found[0])[1]
+
+
+def _at_rest(
+    data: Measurements, design: Design, system: System, belief: Belief, steps: int
+) -> Winner:
+    base = system.prior.log_mean(design.components)
+    return Winner.of(system, refine(data, base, system.weighted, belief, steps))
+
+
+def _system(
+    data: Measurements,
+    design: Design,
+    prior: PopulationPrior,
+    kernel: Kernel,
+    belief: Belief,
+    search: Search,
+) -> System:
+    """Return the whole system if there are few enough rows, else one that hangs on some.
+
+    These are rows that are believed, evenly among the canonical order.
+    """
+    if len(data) <= search.centres:
+        return _whole(design, prior, kernel)
+    believed = np.flatnonzero(belief.responsibility >= min(0.5, belief.responsibility.max()))
+    chosen = believed[np.linspace(0, believed.size - 1, search.centres).round().astype(np.int64)]
+    features = prior.features(design.components)
+    return Sparse(prior, kernel, features, design.angles, np.unique(chosen))
+
+
+def _whole(design: Design, prior: PopulationPrior, kernel: Kernel) -> Whole:
+    features = prior.features(design.components)
+    return Whole(prior, kernel, features, design.angles, features @ features.T)
 
 
 def _merit(winner: Winner) -> float:
     """Left-out likelihood, less what a material pays for leaving its population."""
-    return winner.explanation.score - DEPARTURE * float(np.log(winner.kernel.amplitude))
+    price = DEPARTURE * float(np.log(winner.system.kernel.amplitude))
+    return winner.explanation.score - price
 
 
 def everybody(data: Measurements) -> Belief:
     """Return the belief that every sample is right."""
     mixture = Mixture(0.05, Background.of(data.y, data.known))
-    return Belief(np.ones(len(data)), WIDE, mixture)
+    return Belief(np.ones(len(data)), WIDE, mixture, np.ones(len(data)))

@@ -55,7 +55,9 @@ def _belief(data: Measurements, column: FloatArray, mixture: Mixture) -> Belief:
     mean = column[:, None] + shift
     known = data.informative(mean)
     verdict = mixture.judge(data.y, mean, WIDE**2 + data.scatter, known)
-    return Belief(verdict.responsibility, WIDE, mixture.updated(data.y, verdict, known))
+    return Belief(
+        verdict.responsibility, WIDE, mixture.updated(data.y, verdict, known), verdict.credit
+    )
 
 
 def _centre(data: Measurements, difference: FloatArray) -> FloatArray:
