@@ -7,9 +7,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from brdfit.errors import SampleError
+from brdfit.errors import SampleError, UsageError
 from brdfit.grid import Grid
 from brdfit.reconstruct import Posterior
+from brdfit.reconstruct.posterior.calibration import Calibration
 from brdfit.reconstruct.posterior.principal import axes_of
 from brdfit.reconstruct.posterior.prior import population_prior
 
@@ -150,3 +151,30 @@ def test_the_leading_directions_are_the_largest_in_ln_f_r_and_the_prior_is_the_s
     variance = (ordered.features(components)[:, :-1] ** 2).sum(axis=0)
     assert variance[0] > 0.9 * variance.sum()
     assert np.allclose(ordered.leading(1).factor, ordered.factor[:, :1])
+
+
+def test_as_many_of_new_samples_lie_within_the_deviations_as_it_says(method, measure):
+    result = method.fit(measure(n=300, noise=0.05))
+    new = measure(n=2000, noise=0.05, seed=12)
+    found = result.evaluate(new.wi, new.wo)
+    spread = np.hypot(result.stddev(new.wi, new.wo), result.model.noise)
+    z = off(new.value, found) / spread
+    assert 0.60 < (z < 1.0).mean() < 0.76
+    assert 0.90 < (z < result.deviations(0.95)).mean() < 0.985
+    assert result.deviations(0.683) == pytest.approx(1.0, abs=0.01)
+    with pytest.raises(UsageError, match="between 0 and 1"):
+        result.deviations(95)
+
+
+def test_calibration_counts_what_was_left_out_and_not_outliers():
+    rng = np.random.default_rng(2)
+    z = np.concatenate([2.0 * rng.standard_normal(4000), np.full(2000, 50.0)])
+    r = np.concatenate([np.ones(4000), np.zeros(2000)])
+    found = Calibration.of(z[:, None] ** 2, r, 4.0)
+    assert found.unit == pytest.approx(2.0, rel=0.05)
+    assert found.deviations(0.95) == pytest.approx(1.96, rel=0.05)
+
+
+def test_a_few_samples_do_not_calibrate_alone():
+    found = Calibration.of(np.full((3, 2), 1e-12), np.ones(3), 4.0)
+    assert found.unit > 0.2

@@ -5,7 +5,8 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -50,6 +51,14 @@ class Model(Protocol):
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         """Return the standard deviation of ln f_r (n, channels), or None if unknown."""
+
+
+@runtime_checkable
+class KnowsItsTails(Protocol):
+    """A model whose errors are not normal, and that knows how they are instead."""
+
+    def deviations(self, level: float) -> float:
+        """Return how many stated deviations hold a share `level` of good measurements."""
 
 
 class Method(Protocol):
@@ -123,6 +132,17 @@ class Reconstruction(Shown):
                 f"what it knows of its own quality."
             )
         return deviation
+
+    def deviations(self, level: float = 0.95) -> float:
+        """Return how many `stddev`, to either side, hold a share `level` in (0, 1) of the truth.
+
+        As the method's own left-out samples tell; else as a normal distribution has it.
+        """
+        if not 0.0 < level < 1.0:
+            raise UsageError(f"level: found {level}, expected a share between 0 and 1.")
+        if isinstance(self.model, KnowsItsTails):
+            return self.model.deviations(level)
+        return NormalDist().inv_cdf(0.5 + 0.5 * level)
 
     @cached_property
     def trust_map(self) -> TrustMap:

@@ -6,7 +6,8 @@ the BRDF, of standard deviation d in ln f_r, and the noise of a measurement besi
     z = ln(value / result) / sqrt(d^2 + s^2 + (floor / result)^2)
 
 with s, the noise of a good sample, and the floor as fit and settings state them. `within_68`
-is the share of |z| <= 1, `within_95` that of |z| <= 1.96.
+is the share of |z| <= 1, `within_95` that of |z| <= `deviations(0.95)`, 1.96 for a method that
+takes its errors for normal.
 """
 
 from __future__ import annotations
@@ -96,6 +97,6 @@ def _intervals(
         return {"within_68": None, "within_95": None, "stddev": None}
     return {
         "within_68": figure((z <= 1.0).mean()),
-        "within_95": figure((z <= 1.96).mean()),
+        "within_95": figure((z <= result.deviations(0.95)).mean()),
         "stddev": figure(float(np.median(deviation))),
     }

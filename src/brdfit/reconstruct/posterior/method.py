@@ -21,7 +21,7 @@ from brdfit.reconstruct.posterior.principal import (
     column_weights,
     principal_basis,
 )
-from brdfit.reconstruct.posterior.stages import Design, Search, Winner, explain
+from brdfit.reconstruct.posterior.stages import Design, Search, explain
 from brdfit.reconstruct.result import Reconstruction, population_record
 from brdfit.reconstruct.targets import Targets
 from brdfit.samples import Samples
@@ -116,12 +116,12 @@ class Posterior:
             outliers=outliers,
             outlier_rule=(
                 f"more likely wrong than right given all others; noise of a good sample "
-                f"{explained.belief.width:.3f} in ln f_r"
+                f"{model.noise:.3f} in ln f_r"
             ),
             outcome=_outcome(int(used.sum()), int(outliers.sum()), explained.settled),
             iterations=explained.steps,
             population=population_record(materials),
-            history=(_figures(model.winner),),
+            history=(_figures(model),),
         )
 
 
@@ -133,10 +133,12 @@ def _outcome(usable: int, wrong: int, settled: bool) -> Outcome:
     return Outcome.CONVERGED if settled else Outcome.ITERATION_LIMIT
 
 
-def _figures(winner: Winner) -> dict[str, float]:
+def _figures(model: PosteriorModel) -> dict[str, float]:
+    winner = model.winner
     belief, kernel = winner.explanation.belief, winner.system.kernel
     return {
-        "noise": belief.width,
+        "noise": model.noise,
+        "deviations_95": model.deviations(0.95),
         "outlier_share": belief.mixture.share,
         "residual_amplitude": kernel.amplitude,
         "residual_length": kernel.length,

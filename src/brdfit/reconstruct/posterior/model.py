@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from brdfit.arrays import FloatArray
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import Grid
 from brdfit.progress import Progress
+from brdfit.reconstruct.posterior.calibration import Calibration
 from brdfit.reconstruct.posterior.kernel import Angles
 from brdfit.reconstruct.posterior.principal import PrincipalBasis
 from brdfit.reconstruct.posterior.stages import Winner
@@ -54,20 +56,32 @@ class PosteriorModel:
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.
 
-        Of the BRDF itself: a measurement scatters by the noise of the fit besides.
+        Of the BRDF itself: a measurement scatters by the noise of the fit besides. In units of
+        `calibration`.
         """
         variance: list[FloatArray] = [np.empty(0)]
         for start in range(0, len(wi), _CHUNK):
             rows = slice(start, start + _CHUNK)
             variance.append(self.winner.variance(*self._at(wi[rows], wo[rows])))
-        deviation = np.sqrt(np.concatenate(variance))
+        deviation = self.calibration.unit * np.sqrt(np.concatenate(variance))
         channels = self.winner.solution.local.shape[1]
         return np.repeat(deviation[:, None], channels, axis=1)
 
     @property
     def noise(self) -> float:
         """Standard deviation of ln f_r of a good sample."""
-        return self.winner.explanation.belief.width
+        return self.calibration.unit * self.winner.explanation.belief.width
+
+    @cached_property
+    def calibration(self) -> Calibration:
+        """What the left-out samples say of the stated deviations."""
+        explained = self.winner.explanation
+        belief = explained.belief
+        return Calibration.of(explained.surprise, belief.responsibility, belief.mixture.freedom)
+
+    def deviations(self, level: float) -> float:
+        """Return how many stated deviations hold a share `level` of good measurements."""
+        return self.calibration.deviations(level)
 
     def prior_stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return that of ln f_r before any sample (n,), the brightness known."""

@@ -78,6 +78,8 @@ class Explanation:
     belief: Belief
     score: float
     """Sum of ln of the mixture density of every row, given the others."""
+    surprise: FloatArray
+    """z^2 (n, c): e^2 over the variance that was stated for it, given the others; NaN unknown."""
     steps: int
     settled: bool
 
@@ -141,6 +143,7 @@ def _states(
             left_out,
             belief,
             float(verdict.log_likelihood.sum()),
+            np.where(known, (y - left_out.mean) ** 2, np.nan) / spread[:, None],
             0,
             False,
         )

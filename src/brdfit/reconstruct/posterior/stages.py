@@ -35,7 +35,7 @@ __all__ = ["Design", "Search", "Winner", "explain"]
 
 DEPARTURE = 5.0
 """Price in ln likelihood of an e-fold of residual amplitude: it decides where samples are few."""
-FREEDOM = 4.0
+FREEDOM = 2.5
 """nu of an inlier of the second stage."""
 _LABEL = "posterior"
 
