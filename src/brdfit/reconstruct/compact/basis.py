@@ -43,6 +43,8 @@ _VERSION = 2
 _GRID = Grid(90, 45, 36)
 _RESIDUAL = Scale(0.2, 0.3, 600)
 _CHUNK = 8192
+# Directions whose corners are gathered at once: what is gathered stays in the processor's cache.
+_GATHERED = 256
 _LABEL = "leading components"
 
 
@@ -68,7 +70,7 @@ class LeadingBasis:
         """
         result = np.empty((len(wi), self.size))
         for at, index, weight in self._corners(wi, wo):
-            result[at] = np.einsum("nkq,nk->nq", self.rows[index], weight)
+            result[at] = _interpolated(self.rows, index, weight)
         mean = result[:, 0].copy()
         result[:, 0] = BRIGHTNESS
         return mean, result
@@ -78,7 +80,7 @@ class LeadingBasis:
         table = self._combined(coefficients)
         result = np.empty((len(wi), coefficients.shape[1]))
         for at, index, weight in self._corners(wi, wo):
-            result[at] = np.einsum("nkc,nk->nc", table[index], weight)
+            result[at] = _interpolated(table, index, weight)
         return result
 
     def _combined(self, coefficients: FloatArray) -> FloatArray:
@@ -125,6 +127,15 @@ class LeadingBasis:
         """Leave what is worked out again out of what travels to a worker."""
         kept = ("rows", "grid", "population")
         return {name: self.__dict__[name] for name in kept}
+
+
+def _interpolated(rows: FloatArray, index: IntArray, weight: FloatArray) -> FloatArray:
+    """Return sums (n, q) of rows (m, q) at index (n, 8), with weights (n, 8)."""
+    result = np.empty((len(index), rows.shape[1]), np.result_type(rows, weight))
+    for start in range(0, len(index), _GATHERED):
+        at = slice(start, start + _GATHERED)
+        np.einsum("nkq,nk->nq", rows.take(index[at], axis=0), weight[at], out=result[at])
+    return result
 
 
 def leading_basis(

@@ -78,7 +78,8 @@ class _Shared:
 
     def solved(self, xp: Any, weights: Array, y: Array) -> tuple[Array, Array]:
         b, g, n = weights.shape
-        a = xp.reshape(weights, (b * g, n)) @ self.squares + self.unit
+        a = xp.reshape(weights, (b * g, n)) @ self.squares
+        a += self.unit
         moment = _flat(xp, weights[:, :, None, :] * y, self.features)
         return solved(xp, xp.reshape(a, (b, g, -1)), moment, packed=True)
 
@@ -104,7 +105,8 @@ class _Own:
     """(k k,)"""
 
     def solved(self, xp: Any, weights: Array, y: Array) -> tuple[Array, Array]:
-        a = xp.matmul(self.turned, weights[..., None] * self.features) + self.unit
+        a = xp.matmul(self.turned, weights[..., None] * self.features)
+        a += self.unit
         return solved(xp, a, xp.matmul(weights[:, :, None, :] * y, self.features))
 
     def fitted(self, xp: Any, z: Array) -> Array:

@@ -286,8 +286,7 @@ def _left_out(
     `squared` are those of the fit itself: with w h = p, leaving a row out divides its residual
     by 1 - p and makes the variance of what is said of it h / (1 - p).
     """
-    left = 1.0 - weights * h
-    left = xp.where(left > 1e-9, left, 1e-9 + 0.0 * left)
+    left = _at_least(xp, 1.0 - weights * h, 1e-9)
     width = h / left + variance
     return squared / (left * left * width), width
 
@@ -308,8 +307,7 @@ def _judge(xp: Any, known: _Known, share: Array, size: Array, width: Array) -> _
     log_normal = mean_size + known.mean(xp, known.channels * xp.log(width)) + _LOG_TWO_PI
     odds = xp.log(share) - xp.log1p(-share)
     against = odds[:, None] + known.log_wrong + 0.5 * log_normal
-    against = xp.where(against < _HOPELESS, against, _HOPELESS + 0.0 * against)
-    responsibility = known.row / (1.0 + xp.exp(against))
+    responsibility = known.row / (1.0 + xp.exp(_at_most(xp, against, _HOPELESS)))
     return _Judged(responsibility, xp.sum(responsibility, axis=1), mean_size)
 
 
@@ -331,12 +329,20 @@ def _all(xp: Any, array: Array) -> Array:
 def _width(xp: Any, width: Array, judged: _Judged) -> Array:
     """Return s (b,) for which left-out residuals are as large as they are said to be."""
     believed = judged.believed
-    sure = xp.where(believed > 1e-9, believed, 1e-9 + 0.0 * believed)
+    sure = _at_least(xp, believed, 1e-9)
     too_large = xp.sum(judged.responsibility * judged.size, axis=1) / sure
-    total = believed * width**2 * xp.clip(too_large, 0.25, 4.0) + _IMAGINED * EXPECTED**2
-    found = xp.sqrt(total / (believed + _IMAGINED))
-    found = xp.where(found > 0.5 * width, found, 0.5 * width)
-    return xp.clip(found, _LEAST, _MOST)
+    too_large = _at_most(xp, _at_least(xp, too_large, 0.25), 4.0)
+    total = believed * width**2 * too_large + _IMAGINED * EXPECTED**2
+    found = xp.maximum(xp.sqrt(total / (believed + _IMAGINED)), 0.5 * width)
+    return _at_most(xp, _at_least(xp, found, _LEAST), _MOST)
+
+
+def _at_least(xp: Any, array: Array, limit: float) -> Array:
+    return xp.maximum(array, xp.asarray(limit, dtype=array.dtype, device=device(array)))
+
+
+def _at_most(xp: Any, array: Array, limit: float) -> Array:
+    return xp.minimum(array, xp.asarray(limit, dtype=array.dtype, device=device(array)))
 
 
 def _kept(xp: Any, mask: Array, one: Solution, other: Solution) -> Solution:
