@@ -58,3 +58,12 @@ def test_badly_scaled_but_definite_matrices_are_inverted(rng):
     a = definite(rng, 40, 41) * scale[:, None] * scale
     for found in (solved(xp, a, a[:, :1])[0], inverse_by_halves(xp, a)):
         assert np.allclose(found @ a, np.eye(41), atol=1e-6)
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_one_matrix_serves_the_vectors_of_many(rng, packed):
+    a, right = definite(rng, 2, 13).reshape(2, 1, 13, 13), rng.normal(size=(2, 31, 1, 13))
+    given = Triangle.of(13).pack(xp, a) if packed else a
+    inverse, solution = solved(xp, given, right, packed)
+    assert inverse.shape == given.shape
+    assert np.allclose(solution @ a, right, atol=1e-9)

@@ -213,3 +213,13 @@ def test_sigma_of_some_items_only_is_no_sigma_for_the_others(method, basis, meas
     )
     assert found.deviation[1] > 1.5 * found.deviation[0]
     assert isinstance(Block.of([plain]).samples, Samples)
+
+
+def test_bands_that_miss_other_samples_are_each_fitted_from_their_own(method, measure):
+    samples = measure(n=80, bands=31)
+    value = samples.value.copy()
+    gone = np.random.default_rng(7).random(value.shape) < 0.2
+    value[gone] = np.nan
+    result = method.fit(samples.with_value(value))
+    found = result.evaluate(samples.wi, samples.wo)
+    assert np.median(np.abs(np.log(found / samples.value))) < 0.06

@@ -31,9 +31,11 @@ def solved(xp: Any, a: Any, right: Any, packed: bool = False) -> tuple[Any, Any]
 
     `a` is (..., k, k) or, `packed`, (..., p) as `Triangle` has it, of the library `xp`, and so
     is the inverse; `right` (..., m, k) are m vectors for each, and so is what becomes of them.
+    The leading axes of `a` may be 1 where those of `right` are more: one matrix for all.
     """
     k = right.shape[-1]
-    if isinstance(a, np.ndarray) and right.size >= _MANY * right.shape[-2] * k:
+    each_its_own = tuple(right.shape[:-2]) == tuple(a.shape[: -1 if packed else -2])
+    if isinstance(a, np.ndarray) and each_its_own and right.size >= _MANY * right.shape[-2] * k:
         sweep = sweep_if_compiled()
         if sweep is not None:
             return _swept(sweep, a, right, packed)
