@@ -34,7 +34,8 @@ Angles = tuple[FloatArray, FloatArray, FloatArray]
 
 # Nodes along theta_h (even in its square root), theta_d and phi_d.
 _NODES = (46, 31, 48)
-_CHUNK = 4096
+# Values of the kernel worked out together: what is next done to them finds them in the cache.
+_IN_CACHE = 1 << 17
 
 
 @dataclass(frozen=True)
@@ -59,17 +60,17 @@ class Kernel:
         """Return sum_j k(x, centre_j) alpha_j, float32, for every cell, (h, d, phi, c)."""
         axes = _node_axes(grid)
         theta_h, theta_d, phi_d = (np.ravel(axis) for axis in np.meshgrid(*axes, indexing="ij"))
-        x, z = (
-            self.coordinates((theta_h, theta_d, phi_d)),
-            self.coordinates(centres).astype(np.float32),
-        )
+        x, z = self.coordinates((theta_h, theta_d, phi_d)), self.coordinates(centres)
+        # Distances are differences of squares: from the middle the squares are small.
+        middle = z.mean(axis=0) if len(z) else 0.0
+        x, z = (x - middle).astype(np.float32), (z - middle).astype(np.float32)
         weights = alpha.astype(np.float32)
-        blocks = [
-            self._of_coordinates(x[start : start + _CHUNK], z) @ weights
-            for start in range(0, len(x), _CHUNK)
-        ]
-        at_nodes = np.concatenate(blocks).reshape(*(len(axis) for axis in axes), -1)
-        return _carried(at_nodes, axes, grid)
+        at_nodes = np.empty((len(x), alpha.shape[1]), dtype=np.float32)
+        step = max(1, _IN_CACHE // max(len(z), 1))
+        for start in range(0, len(x), step):
+            rows = slice(start, start + step)
+            np.matmul(self._of_coordinates(x[rows], z), weights, out=at_nodes[rows])
+        return _carried(at_nodes.reshape(*(len(axis) for axis in axes), -1), axes, grid)
 
     def _of_coordinates(self, x: FloatArray, z: FloatArray) -> FloatArray:
         """Return k from x / length (n, 4) and (m, 4), in their precision."""

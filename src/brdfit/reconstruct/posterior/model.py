@@ -43,15 +43,19 @@ class PosteriorModel:
         system, solution = self.winner.system, self.winner.solution
         combination, constant = system.prior.combination(solution.population)
         stored = self.basis.on_grid(grid, progress)
-        combination = combination.astype(np.float32)
-        blocks = [
-            stored.rows[start : start + _CHUNK] @ combination
-            for start in range(0, len(stored.rows), _CHUNK)
-        ]
-        result = (np.concatenate(blocks) + constant.astype(np.float32))[stored.expand]
         local = system.kernel.on_grid(grid, system.centres, solution.local)
-        result += local.reshape(-1, result.shape[1])[grid.cells]
-        return np.exp(np.clip(result, _LOWEST, _HIGHEST, out=result), out=result)
+        local = local.reshape(grid.size, -1)
+        combination, constant = combination.astype(np.float32), constant.astype(np.float32)
+        result = np.empty((grid.cells.size, local.shape[1]), dtype=np.float32)
+        # One theta_h at a time, so that every step finds what the last one left in the cache.
+        for cells, rows in stored.slabs():
+            part, block = result[cells], stored.rows[rows] @ combination
+            block += constant
+            np.take(block, stored.expand[cells] - rows.start, axis=0, out=part, mode="clip")
+            part += local[grid.cells[cells]]
+            np.clip(part, _LOWEST, _HIGHEST, out=part)
+            np.exp(part, out=part)
+        return result
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.

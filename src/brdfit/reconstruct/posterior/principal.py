@@ -103,6 +103,15 @@ class GridComponents:
     rows: FloatArray
     """(m, 1 + q), float32, on disk."""
 
+    def slabs(self) -> Iterator[tuple[slice, slice]]:
+        """Yield (which of `grid.cells`, which rows) for each theta_h: none needs another's rows."""
+        size = self.grid.size // self.grid.n_theta_h
+        edges = np.arange(self.grid.n_theta_h + 1) * size
+        cells = np.searchsorted(self.grid.cells, edges)
+        rows = np.searchsorted(self.cells, edges)
+        for i in range(self.grid.n_theta_h):
+            yield slice(cells[i], cells[i + 1]), slice(rows[i], rows[i + 1])
+
     def interpolated(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return [mu | B] (n, 1 + q), trilinear between valid cells."""
         blank = Table(values=np.zeros((*self.grid.shape, 1), dtype=np.float32), grid=self.grid)
