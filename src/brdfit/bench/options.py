@@ -18,8 +18,11 @@ Say = Callable[[str], None]
 """Where a benchmark says something to a person; the command line prints it."""
 
 
-def add_run_arguments(parser: argparse.ArgumentParser, result: str) -> None:
-    """Add the output, the seed, what governs the execution, and the page alone."""
+def add_run_arguments(parser: argparse.ArgumentParser, result: str, workers: bool = True) -> None:
+    """Add the output, the seed, what governs the execution, and the page alone.
+
+    `workers` is False where parts that run side by side would spoil the result.
+    """
     parser.add_argument(
         "--from-result",
         action="store_true",
@@ -37,13 +40,14 @@ def add_run_arguments(parser: argparse.ArgumentParser, result: str) -> None:
     parser.add_argument(
         "--restart", action="store_true", help="throw an earlier run away instead of continuing it"
     )
-    parser.add_argument(
-        "--workers",
-        type=int,
-        default=os.cpu_count() or 1,
-        metavar="N",
-        help="processes (default: one per core); does not change the result",
-    )
+    if workers:
+        parser.add_argument(
+            "--workers",
+            type=int,
+            default=os.cpu_count() or 1,
+            metavar="N",
+            help="processes (default: one per core); does not change the result",
+        )
 
 
 def ledger_of(arguments: argparse.Namespace, header: dict[str, object]) -> Ledger:

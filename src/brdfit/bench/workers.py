@@ -20,7 +20,7 @@ from typing import Any
 
 from brdfit.errors import BrdfitError
 
-__all__ = ["Task", "Work", "limit_threads", "run_pool"]
+__all__ = ["Task", "Work", "in_own_process", "limit_threads", "run_pool"]
 
 _WATCH_SECONDS = 0.5
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -65,6 +65,27 @@ def run_pool(
     yield from _run_processes(tasks, work, shared, min(workers, len(tasks)))
 
 
+def in_own_process(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Return `function(*arguments)` of a fresh process, which holds nothing of this one's.
+
+    It ends when this process does. What the function raises is raised here.
+    """
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(
+        1, mp_context=context, initializer=_adopt, initargs=(None, None, os.getpid())
+    ) as pool:
+        try:
+            return pool.submit(function, *arguments).result()
+        except BrokenProcessPool as error:
+            raise BrdfitError(
+                "the process of a part of the benchmark died (killed, or out of memory). What "
+                "was finished is kept: repeat the command to continue."
+            ) from error
+
+
 def _run_processes(
     tasks: Sequence[Task], work: Work, shared: Any, workers: int
 ) -> Iterator[tuple[str, list[dict[str, Any]], float]]:
@@ -100,7 +121,7 @@ def _run_processes(
 _ADOPTED: dict[str, Any] = {}
 
 
-def _adopt(work: Work, shared: Any, parent: int) -> None:
+def _adopt(work: Work | None, shared: Any, parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     limit_threads()

@@ -14,6 +14,7 @@ BENCHMARKS = {
     "holdout": "Fit a part of real measurements, predict the rest.",
     "paper": "Every table of the published method, on a population of choice.",
     "sparse": "Held-out materials from 8 to 4000 samples, every method side by side.",
+    "speed": "Seconds, memory and ratio to the least possible of every stage, beside others.",
     "sweep": "Values of open constants compared, on materials set apart for that.",
 }
 """Benchmark -> one sentence. Its module is `brdfit.bench.<name>`."""
