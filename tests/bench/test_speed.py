@@ -23,7 +23,7 @@ from brdfit.grid import Grid
 from brdfit.progress import silent
 
 TINY = Sizes(30, 5, 40, 50, 6, 12, 8, Grid(10, 8, 12))
-FIGURES = {"times", "median", "peak_mb", "added_mb", "bandwidth", "single", "double"}
+FIGURES = {"times", "median", "processor", "peak_mb", "added_mb", "bandwidth", "single", "double"}
 BESIDE = {"bytes", "memory_floor", "product_floor", "floor", "over_floor", "over_memory"}
 
 

@@ -43,6 +43,7 @@ def measured(prepared: Prepared, repeat: int, warm: bool = True) -> Record:
     |---|---|
     | `times` | seconds of each run |
     | `median` | their median |
+    | `processor` | median seconds of the processor, which other work on the machine spoils less |
     | `peak_mb` | highest memory of the process during the runs, all it holds counted |
     | `added_mb` | that above what it held before them |
     | `floor` | seconds that the stage takes at least, see `Floor` |
@@ -52,17 +53,21 @@ def measured(prepared: Prepared, repeat: int, warm: bool = True) -> Record:
     if warm:
         prepared.run()
     before, peak = watched_peak()
-    times, result = [], None
+    times: list[float] = []
+    busy: list[float] = []
+    result = None
     for _ in range(repeat):
         result = None  # what the last run gave is not held beside the next
-        start = time.perf_counter()
+        start, begun = time.perf_counter(), time.process_time()
         result = prepared.run()
         times.append(time.perf_counter() - start)
+        busy.append(time.process_time() - begun)
     highest = peak()
     median = statistics.median(times)
     record: Record = {
         "times": [figure(value, 4) for value in times],
         "median": figure(median, 4),
+        "processor": figure(statistics.median(busy), 4),
         "peak_mb": round(highest / 1e6),
         "added_mb": round(max(highest - before, 0) / 1e6),
         "bandwidth": figure(machine.bandwidth, 4),

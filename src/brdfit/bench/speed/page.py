@@ -47,13 +47,14 @@ came on top of what was held before."""
 
 def _stage_table(records: dict[str, Record], what: dict[str, str]) -> str:
     columns = [Column("stage"), Column("size"), Column("seconds", True)]
-    columns += [Column("peak MB", True), Column("added MB", True)]
+    columns += [Column("processor s", True), Column("peak MB", True), Column("added MB", True)]
     columns += [Column("floor, s", True), Column("over floor", True), Column("bounded by")]
     rows = [
         [
             what[name],
             _size(record),
             _seconds(record["median"]),
+            _seconds(record["processor"]),
             str(record["peak_mb"]),
             str(record["added_mb"]),
             f"{record['floor']:.2g}",
@@ -85,13 +86,17 @@ def _same_job(record: Record) -> str:
 
 def _job_table(records: dict[str, Record], what: dict[str, str]) -> str:
     own = records[JOB].get("median")
+    own_processor = records[JOB].get("processor")
     columns = [Column("by"), Column("seconds", True), Column("times ours", True)]
+    columns += [Column("processor s", True), Column("times ours", True)]
     columns += [Column("peak MB", True), Column("error", True)]
     rows = [
         [
             what[name],
             _seconds(record["median"]),
             _times(record["median"] / own),
+            _seconds(record["processor"]),
+            _times(record["processor"] / own_processor),
             str(record["peak_mb"]),
             cell(record["error"]),
         ]
