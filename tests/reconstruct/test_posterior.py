@@ -7,13 +7,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from brdfit.errors import SampleError, UsageError
+from brdfit.errors import UsageError
 from brdfit.grid import Grid
 from brdfit.progress import silent
 from brdfit.reconstruct import Posterior
 from brdfit.reconstruct.posterior.calibration import Calibration
 from brdfit.reconstruct.posterior.principal import axes_of, principal_basis
 from brdfit.reconstruct.posterior.prior import population_prior
+from brdfit.reconstruct.posterior.stages import Search
 
 
 @pytest.fixture
@@ -85,10 +86,17 @@ def test_more_samples_than_the_search_looks_at_all_count(method, measure):
     assert result.outliers.mean() < 0.25
 
 
-def test_too_many_samples_are_refused_in_words(method, measure, monkeypatch):
-    monkeypatch.setattr("brdfit.reconstruct.posterior.method._MOST_SAMPLES", 100)
-    with pytest.raises(SampleError, match="at most 100"):
-        method.fit(measure(n=150))
+def test_samples_that_had_no_say_are_judged_by_the_result(toy, measure, monkeypatch):
+    samples = measure(n=3000)
+    wrong = np.arange(0, 3000, 5)
+    method = Posterior(population=toy.without(["m4"]), residual_size=200)
+    monkeypatch.setattr(Posterior, "search", lambda self: Search(most=1500, centres=200))
+    result = method.fit(spoilt(samples, wrong, 9.0))
+    assert result.outliers[wrong].mean() > 0.9
+    assert result.outliers.mean() < 0.25
+    assert np.isfinite(result.residuals).all()
+    found = result.evaluate(*samples.safe_directions)
+    assert np.median(off(found, samples.value)) < 0.05
 
 
 def test_a_stated_sigma_lowers_the_say_of_a_sample(method, measure):

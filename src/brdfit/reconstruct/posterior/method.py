@@ -7,7 +7,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from brdfit.errors import SampleError
 from brdfit.linalg import one_thread
 from brdfit.populations import Population, population
 from brdfit.progress import Progress, silent
@@ -21,7 +20,7 @@ from brdfit.reconstruct.posterior.principal import (
     column_weights,
     principal_basis,
 )
-from brdfit.reconstruct.posterior.stages import Design, Search, explain
+from brdfit.reconstruct.posterior.stages import Design, Judged, Search, explain, verdict_on
 from brdfit.reconstruct.result import Reconstruction, population_record
 from brdfit.reconstruct.targets import Targets
 from brdfit.samples import Samples
@@ -30,7 +29,6 @@ __all__ = ["Posterior"]
 
 # A sample that is more likely wrong than right is named.
 _HALF = 0.5
-_MOST_SAMPLES = 50_000
 
 
 @dataclass(frozen=True)
@@ -57,8 +55,9 @@ class Posterior:
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the reconstruction of `samples` (any number of channels).
 
-        Raises `SampleError` where no sample is usable or there are more than 50,000,
-        `PopulationError` where the population cannot be had.
+        Of more than 10,000 samples as many, evenly drawn, decide the result, and all are judged
+        by it. Raises `SampleError` where no sample is usable, `PopulationError` where the
+        population cannot be had.
         """
         samples.require_usable()
         materials = population(self.population)
@@ -74,18 +73,15 @@ class Posterior:
     ) -> Reconstruction:
         """Return the same as `fit`, where the components of `materials` are at hand already."""
         data = Measurements.of(samples, self.noise_floor)
-        if len(data) > _MOST_SAMPLES:
-            raise SampleError(
-                f"{samples.source.name}: {len(data)} usable samples but the posterior takes at "
-                f"most {_MOST_SAMPLES}. Thin them out, or use another method."
-            )
         wi, wo = samples.wi[data.rows], samples.wo[data.rows]
         theta_h, theta_d, phi_d = (angle[data.rows] for angle in samples.half_diff)
         design = Design(
             basis.at(wi, wo), basis.axes, column_weights(materials), (theta_h, theta_d, phi_d)
         )
-        winner = explain(data, design, self.search(), progress)
-        return self._result(samples, materials, data, PosteriorModel(basis, winner))
+        search = self.search()
+        winner = explain(data, design, search, progress)
+        judged = verdict_on(winner, data, design, search)
+        return self._result(samples, materials, data, PosteriorModel(basis, winner), judged)
 
     def search(self) -> Search:
         """Return what the fit tries."""
@@ -97,13 +93,14 @@ class Posterior:
         materials: Population,
         data: Measurements,
         model: PosteriorModel,
+        judged: Judged,
     ) -> Reconstruction:
         explained = model.winner.explanation
         used = data.place >= 0
         place = np.where(used, data.place, 0)
-        responsibility = np.where(used, explained.belief.responsibility[place], 0.0)
+        responsibility = np.where(used, judged.responsibility[place], 0.0)
         residuals = np.full(samples.value.shape, np.nan)
-        residuals[used] = Targets.of(samples).take(used).residual(explained.mean[place[used]])
+        residuals[used] = Targets.of(samples).take(used).residual(judged.mean[place[used]])
         residuals[~samples.usable] = np.nan
         outliers = used & (responsibility < _HALF)
         return Reconstruction(

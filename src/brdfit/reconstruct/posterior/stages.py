@@ -31,13 +31,14 @@ from brdfit.reconstruct.posterior.starts import WIDE, starting_beliefs
 from brdfit.reconstruct.posterior.systems import Solution, Sparse, System, Whole
 from brdfit.robust import Background, Mixture
 
-__all__ = ["Design", "Search", "Winner", "explain"]
+__all__ = ["Design", "Judged", "Search", "Winner", "explain", "verdict_on"]
 
 DEPARTURE = 5.0
 """Price in ln likelihood of an e-fold of residual amplitude: it decides where samples are few."""
 FREEDOM = 2.5
 """nu of an inlier of the second stage."""
 _LABEL = "posterior"
+_CHUNK = 8192
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,8 @@ class Search:
     """Samples that the search looks at; the rest join in when it is over."""
     centres: int = 1500
     """Samples that the residual may hang on."""
+    most: int = 10_000
+    """Samples that decide the result; all others are judged by it."""
     leading: int = 80
     """Directions of the prior in the first stage, at most..."""
     rows_per_direction: int = 8
@@ -96,6 +99,14 @@ class Design:
         """Return ln f_r (n, k) of the columns that may be leaned on."""
         used = self.axes[self.weights > 0.0].astype(np.float32)
         return np.asarray(self.components[:, :1] + self.components[:, 1:] @ used.T)
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """Of every row: whether it is believed (n,), and the fitted ln f_r (n, c)."""
+
+    responsibility: FloatArray
+    mean: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,15 +154,43 @@ def explain(
 ) -> Winner:
     """Return the best explanation of `data`, whose population is `design`.
 
-    The search looks at `Search.rows` of the samples; its winner is brought to rest on all.
+    The search looks at `Search.rows` of the samples; its winner is brought to rest on
+    `Search.most` of them.
     """
     some = data.spread_out(search.rows)
     found = _explained(data.take(some), design.take(some), search, progress)
     if len(some) == len(data):
         return found
+    many = data.spread_out(search.most)
+    data, design = data.take(many), design.take(many)
     belief = found.judge(data, design)
     system = _system(data, design, found.system.prior, found.system.kernel, belief, search)
     return _at_rest(data, design, system, belief, search.last_steps)
+
+
+def verdict_on(winner: Winner, data: Measurements, design: Design, search: Search) -> Judged:
+    """Return what the winner makes of all rows, those that decided it among them.
+
+    A row that had no say is judged by the result: its variance is the median of what was left
+    out among those that had one, which lie as densely.
+    """
+    explained = winner.explanation
+    many = data.spread_out(search.most)
+    if len(many) == len(data):
+        return Judged(explained.belief.responsibility, explained.mean)
+    responsibility, mean = np.empty(len(data)), np.empty_like(data.y)
+    variance = float(np.median(explained.left_out.variance)) + explained.belief.width**2
+    for start in range(0, len(data), _CHUNK):
+        rows = np.arange(start, min(start + _CHUNK, len(data)))
+        part = data.take(rows)
+        at = design.take(rows)
+        mean[rows] = winner.mean(at.components, at.angles)
+        known = part.informative(mean[rows])
+        mixture = explained.belief.mixture
+        verdict = mixture.judge(part.y, mean[rows], variance + part.scatter, known)
+        responsibility[rows] = verdict.responsibility
+    responsibility[many], mean[many] = explained.belief.responsibility, explained.mean
+    return Judged(responsibility, mean)
 
 
 def _explained(data: Measurements, design: Design, search: Search, progress: Progress) -> Winner:
