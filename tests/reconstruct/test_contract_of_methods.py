@@ -11,7 +11,7 @@ import pytest
 from brdfit.errors import SampleError, UsageError
 from brdfit.geometry import directions_from_spherical
 from brdfit.grid import Grid
-from brdfit.reconstruct import METHODS, CorrectionFunctions, Outcome, fit
+from brdfit.reconstruct import METHODS, Outcome, Posterior, fit
 from brdfit.samples import Flag, Samples
 
 GRID = Grid(9, 8, 12)
@@ -343,8 +343,8 @@ def test_nonsense_is_refused_naming_the_setting_and_the_value(name, field, value
     assert str(value) in str(error.value)
 
 
-def test_the_default_method_is_the_published_one(monkeypatch, measure):
+def test_the_default_method_is_the_posterior(monkeypatch, measure):
     asked = []
-    monkeypatch.setattr(CorrectionFunctions, "fit", lambda self, *given: asked.append(self))
+    monkeypatch.setattr(Posterior, "fit", lambda self, *given: asked.append(self))
     fit(measure(n=10))
-    assert asked == [CorrectionFunctions()]
+    assert asked == [Posterior()]

@@ -38,8 +38,8 @@ __all__ = [
 METHODS: dict[str, type] = {
     method.name: method
     for method in (
-        CorrectionFunctions,
         Posterior,
+        CorrectionFunctions,
         Compact,
         GlobalBasis,
         PcaRidge,
@@ -60,11 +60,11 @@ def fit(
     samples
         Measurements with any number of channels; flagged ones are not used.
     method
-        Settings of a method; left out, `CorrectionFunctions()`.
+        Settings of a method; left out, `Posterior()`.
     progress
         Told of long steps (`brdfit.progress`).
 
     Raises `SampleError` where there is nothing to fit, `PopulationError` where the method's
     population cannot be had. A fit that ends badly raises nothing: see `outcome`.
     """
-    return (CorrectionFunctions() if method is None else method).fit(samples, progress)
+    return (Posterior() if method is None else method).fit(samples, progress)

@@ -37,7 +37,7 @@ class Posterior:
 
     name: ClassVar[str] = "posterior"
 
-    population: str | Population = "published"
+    population: str | Population = "embedded"
     """Materials to lean on: published, synthetic, embedded, nbrdf, an archive, or a folder."""
     noise_floor: float = 1e-5
     """1/sr: absolute noise; far below it a measurement says little."""
