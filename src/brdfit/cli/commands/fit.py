@@ -61,6 +61,7 @@ def add_method_options(parser: Parser, rest: Sequence[str]) -> None:
     except UsageError as error:
         parser.typed = ()
         parser.error(str(error))
+    basis = _own_population(METHODS[key]) or "none: it leans on no population"
     parser.add_argument(
         "--method",
         default=default,
@@ -70,10 +71,9 @@ def add_method_options(parser: Parser, rest: Sequence[str]) -> None:
     )
     parser.add_argument(
         "--basis",
-        default="published",
         metavar="NAME|PATH",
         help="Population to lean on: published, embedded, synthetic, nbrdf, a folder of MERL "
-        ".binary files, or a zip of networks (default: published).",
+        f".binary files, or a zip of networks (default: {basis}).",
     )
     parser.add_argument(
         "--without",
@@ -116,16 +116,24 @@ def method_from(arguments: argparse.Namespace, leave_out: Sequence[str] = ()) ->
 
     settings: dict[str, Any] = given_settings(arguments)
     kind = METHODS[pick(arguments.method, METHODS)]
-    if any(field.name == "population" for field in dataclasses.fields(kind)):
-        settings["population"] = arguments.basis
+    own = _own_population(kind)
+    if own is not None:
+        basis = own if arguments.basis is None else arguments.basis
+        settings["population"] = basis
         typed = (arguments.without or "").split(",")
         names = [*filter(None, map(str.strip, typed)), *leave_out]
         if names:
-            settings["population"] = population(arguments.basis).without(names)
-    elif arguments.without or arguments.basis != "published":
+            settings["population"] = population(basis).without(names)
+    elif arguments.without or arguments.basis is not None:
         raise UsageError(f"--method {arguments.method}: leans on no population; leave out --basis.")
     method: Method = kind(**settings)
     return method
+
+
+def _own_population(kind: type) -> Any:
+    """Return the population that a method leans on unless told otherwise; None if on none."""
+    fields = {field.name: field.default for field in dataclasses.fields(kind)}
+    return fields.get("population")
 
 
 def fit_and_write(

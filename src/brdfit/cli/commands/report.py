@@ -98,7 +98,7 @@ def _fitted(arguments: argparse.Namespace, console: Console) -> Fitted:
 
 
 def _refuse_method(arguments: argparse.Namespace) -> None:
-    if given_settings(arguments) or arguments.without or arguments.basis != "published":
+    if given_settings(arguments) or arguments.without or arguments.basis is not None:
         raise UsageError(
             f"{arguments.file}: is fitted already; the settings of a method are for measurements. "
             f"Leave them out, or name the file of the measurements."

@@ -32,7 +32,10 @@ EXPECTED = 0.05
 """ln f_r: the noise that is expected before anything is known."""
 _IMAGINED = 5.0
 _LEAST, _MOST = 0.003, 0.25
-_SETTLED = 1e-3
+# No responsibility moves by more: nothing is left to do.
+_STILL = 1e-3
+# Share of s by which the result, root mean square over the samples, may move in the last step.
+_SETTLED = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,21 +96,29 @@ def refine(
 ) -> Explanation:
     """Return the explanation that `belief` leads to, for ln f_r = base (n,) + what is unknown.
 
-    `weighted` gives the posterior of the unknown for weights (n,).
+    `weighted` gives the posterior of the unknown for weights (n,). It is settled if the last
+    step moved the result by a quarter of the noise at most.
     """
-    last: Explanation | None = None
-    for step, explained in enumerate(_states(data, base, weighted, belief), start=1):
-        moved = 1.0
-        if last is not None:
-            change = explained.belief.responsibility - last.belief.responsibility
-            moved = float(np.abs(change).max(initial=0.0))
-            same_width = abs(explained.belief.width / last.belief.width - 1.0) < 0.02
-            moved = moved if same_width else 1.0
-        last = explained
-        if moved < _SETTLED or step >= steps:
+    before: Explanation | None = None
+    for step, last in enumerate(_states(data, base, weighted, belief), start=1):
+        if step >= steps or (before is not None and _still(before, last)):
             break
-    assert last is not None
-    return replace(last, steps=step, settled=moved < _SETTLED)
+        before = last
+    settled = before is not None and _moved(before, last) < _SETTLED
+    return replace(last, steps=step, settled=settled)
+
+
+def _still(before: Explanation, last: Explanation) -> bool:
+    """Whether everybody is believed as before, at the same noise."""
+    change = last.belief.responsibility - before.belief.responsibility
+    same_width = abs(last.belief.width / before.belief.width - 1.0) < 0.02
+    return same_width and float(np.abs(change).max(initial=0.0)) < _STILL
+
+
+def _moved(before: Explanation, last: Explanation) -> float:
+    """Return how far the result moved at the samples, root mean square, in units of s."""
+    change = last.mean - before.mean
+    return float(np.sqrt(np.mean(change**2)) / last.belief.width) if change.size else 0.0
 
 
 def _states(
