@@ -71,3 +71,14 @@ def test_a_row_of_no_weight_is_predicted_and_says_nothing(problem):
     one, other = (posterior.fitted(posterior.solve(value)) for value in (y, wild))
     assert np.abs(one - other).max() < 0.02
     assert np.allclose(posterior.left_out(y, one).mean[4], one[4], atol=1e-3)
+
+
+def test_where_the_search_begins_does_not_matter(problem):
+    features, weights, y = problem
+    posterior = CovariancePosterior.of(features @ features.T, weights)
+    known = np.random.default_rng(7).random(y.shape) > 0.3
+    known[:, 0] = True
+    plain = posterior.solve(y, known)
+    begun = posterior.solve(y, known, start=np.random.default_rng(8).normal(size=y.shape))
+    assert np.allclose(plain, begun, atol=1e-7)
+    assert np.allclose(plain[:, 0], posterior.solve(y)[:, 0])

@@ -25,10 +25,10 @@ import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
 
-__all__ = ["CoefficientPosterior", "LeftOut", "conjugate_gradients"]
+__all__ = ["TOLERANCE", "CoefficientPosterior", "LeftOut", "conjugate_gradients"]
 
 # Relative size of the residual at which columns of their own weights are solved.
-_TOLERANCE = 1e-9
+TOLERANCE = 1e-9
 _STEPS = 60
 
 
@@ -57,21 +57,29 @@ class CoefficientPosterior:
         scaled = features * np.sqrt(weights)[:, None]
         return cls(features, weights, factor_of(scaled.T @ scaled))
 
-    def solve(self, y: FloatArray, known: BoolArray | None = None) -> FloatArray:
+    def solve(
+        self,
+        y: FloatArray,
+        known: BoolArray | None = None,
+        tolerance: float = TOLERANCE,
+        start: FloatArray | None = None,
+    ) -> FloatArray:
         """Return E z (d, c) from y (n, c), where `known` (n, c) says which entries are there.
 
         Where some columns lack entries of others, each column has an A of its own: they are
-        solved by conjugate gradients, all together, with the shared factor to guide them.
+        solved by conjugate gradients, all together, with the shared factor to guide them, to a
+        relative `tolerance`, from `start` (d, c), if given.
         """
         if known is None or bool(known.all()):
             return self.apply(self._moment(y))
-        filled = np.where(known, y, 0.0)
-        start = self.apply(self._moment(filled))
+        right = self._moment(np.where(known, y, 0.0))
+        start = self.apply(right) if start is None else start
         return conjugate_gradients(
             lambda z: z + self._moment(np.where(known, self.features @ z, 0.0)),
-            self._moment(filled),
+            right,
             self.apply,
             start,
+            tolerance,
         )
 
     def apply(self, right: FloatArray) -> FloatArray:
@@ -114,13 +122,14 @@ def conjugate_gradients(
     right: FloatArray,
     precondition: Callable[[FloatArray], FloatArray],
     start: FloatArray,
+    tolerance: float = TOLERANCE,
 ) -> FloatArray:
     """Solve A_k z_k = b_k for every column k, preconditioned; columns stop together."""
     z = start
     r = right - product(z)
     p = s = precondition(r)
     rs = np.einsum("dc,dc->c", r, s)
-    goal = _TOLERANCE**2 * np.maximum(np.einsum("dc,dc->c", right, precondition(right)), 1e-300)
+    goal = tolerance**2 * np.maximum(np.einsum("dc,dc->c", right, precondition(right)), 1e-300)
     for _ in range(_STEPS):
         if np.all(rs <= goal):
             break

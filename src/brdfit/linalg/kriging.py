@@ -18,11 +18,12 @@ Press 2006, algorithm 2.1 and section 5.4.2.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
-from brdfit.linalg.gaussian import LeftOut, conjugate_gradients
+from brdfit.linalg.gaussian import TOLERANCE, LeftOut, conjugate_gradients
 
 __all__ = ["CovariancePosterior"]
 
@@ -33,7 +34,7 @@ _LEAST = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class CovariancePosterior:
-    """N(E f, Cov f) up to the right-hand side: the factor of B, and the diagonal of B^-1."""
+    """N(E f, Cov f) up to the right-hand side: the factor of B, and B^-1."""
 
     gram: FloatArray
     """K (n, n), float64."""
@@ -41,8 +42,21 @@ class CovariancePosterior:
     """W^1/2 (n,)."""
     factor: FloatArray
     """L (n, n), lower, B = L L^T; what is above the diagonal means nothing."""
-    kept: FloatArray
-    """v (n,), in (0, 1]."""
+    lower: FloatArray
+    """B^-1 (n, n), its lower triangle; what is above the diagonal means nothing."""
+
+    @cached_property
+    def kept(self) -> FloatArray:
+        """V (n,), in (0, 1]."""
+        return np.clip(np.diagonal(self.lower), 1e-9, 1.0)
+
+    @cached_property
+    def inverse(self) -> FloatArray:
+        """B^-1 (n, n)."""
+        whole = np.tril(self.lower, -1)
+        whole += whole.T
+        whole[np.diag_indices_from(whole)] = np.diagonal(self.lower)
+        return whole
 
     @classmethod
     def of(cls, gram: FloatArray, weights: FloatArray) -> CovariancePosterior:
@@ -59,27 +73,48 @@ class CovariancePosterior:
         if failed:
             raise np.linalg.LinAlgError(f"leading minor {failed} of B is not positive definite")
         inverse, _ = lapack.dpotri(factor, lower=1)
-        kept = np.clip(np.diagonal(inverse), 1e-9, 1.0)
-        return cls(gram, root, factor, kept)
+        return cls(gram, root, factor, inverse)
 
-    def solve(self, y: FloatArray, known: BoolArray | None = None) -> FloatArray:
+    def solve(
+        self,
+        y: FloatArray,
+        known: BoolArray | None = None,
+        tolerance: float = TOLERANCE,
+        start: FloatArray | None = None,
+    ) -> FloatArray:
         """Return alpha (n, c) from y (n, c), where `known` (n, c) says which entries are there.
 
-        Columns that lack entries of others have a B of their own: they are solved by conjugate
-        gradients, all together, with the shared factor to guide them.
+        Columns that lack entries have a B of their own: they are solved by conjugate gradients,
+        all together, with the shared inverse to guide them, to a relative `tolerance`, from
+        `start` (n, c), if given.
         """
         root = self.root[:, None]
-        if known is None or bool(known.all()):
-            return np.asarray(root * self._apply(root * y))
+        whole = np.ones(y.shape[1], dtype=bool) if known is None else known.all(axis=0)
+        alpha = np.empty_like(y)
+        alpha[:, whole] = root * self._apply(root * y[:, whole])
+        if known is not None and not whole.all():
+            alpha[:, ~whole] = self._of_some(
+                y[:, ~whole],
+                known[:, ~whole],
+                tolerance,
+                None if start is None else start[:, ~whole],
+            )
+        return alpha
+
+    def _of_some(
+        self, y: FloatArray, known: BoolArray, tolerance: float, start: FloatArray | None
+    ) -> FloatArray:
+        root = self.root[:, None]
         right = np.where(known, root * y, 0.0)
 
         def product(v: FloatArray) -> FloatArray:
             return v + np.where(known, root * (self.gram @ (root * v)), 0.0)
 
         def guide(v: FloatArray) -> FloatArray:
-            return np.where(known, self._apply(v), 0.0)
+            return np.where(known, self.inverse @ v, 0.0)
 
-        return np.asarray(root * conjugate_gradients(product, right, guide, guide(right)))
+        begin = guide(right) if start is None else np.where(known, start / root, 0.0)
+        return np.asarray(root * conjugate_gradients(product, right, guide, begin, tolerance))
 
     def fitted(self, alpha: FloatArray) -> FloatArray:
         """Return E f (n, c) at the rows."""

@@ -11,7 +11,7 @@ with f_i the mean of a row over its channels and sigma_i the stated standard dev
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -84,6 +84,22 @@ class Measurements:
             self.known[index],
             self.censored[index],
             self.scatter[index],
+        )
+
+    def channels(self, count: int) -> Measurements:
+        """Return the same rows in `count` channels at most, evenly drawn.
+
+        Channels of one direction say much the same: a row is one witness, however many there are.
+        """
+        c = self.y.shape[1]
+        if c <= count:
+            return self
+        kept = np.unique(np.linspace(0, c - 1, count).round().astype(np.int64))
+        return replace(
+            self,
+            y=self.y[:, kept],
+            known=self.known[:, kept],
+            censored=self.censored[:, kept],
         )
 
     def spread_out(self, count: int) -> IntArray:

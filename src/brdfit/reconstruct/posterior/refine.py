@@ -32,6 +32,8 @@ EXPECTED = 0.05
 """ln f_r: the noise that is expected before anything is known."""
 _IMAGINED = 5.0
 _LEAST, _MOST = 0.003, 0.25
+# Relative, where columns lack entries of others: far below what a step moves.
+_PRECISE = 1e-6
 # No responsibility moves by more: nothing is left to do.
 _STILL = 1e-3
 # Share of s by which the result, root mean square over the samples, may move in the last step.
@@ -58,7 +60,13 @@ class Belief:
 class Posterior(Protocol):
     """What `CoefficientPosterior` and `CovariancePosterior` have in common."""
 
-    def solve(self, y: FloatArray, known: BoolArray | None = None) -> FloatArray:
+    def solve(
+        self,
+        y: FloatArray,
+        known: BoolArray | None = None,
+        tolerance: float = ...,
+        start: FloatArray | None = None,
+    ) -> FloatArray:
         """Return coefficients (d, c) from y (n, c)."""
 
     def fitted(self, coefficients: FloatArray) -> FloatArray:
@@ -130,10 +138,11 @@ def _states(
     """Yield explanation after explanation, without end."""
     y = data.y - base[:, None]
     known = data.known
+    coefficients: FloatArray | None = None
     while True:
         variance = belief.width**2 + data.scatter
         posterior = weighted(belief.responsibility * belief.credit / variance)
-        coefficients = posterior.solve(y, None if known.all() else known)
+        coefficients = posterior.solve(y, None if known.all() else known, _PRECISE, coefficients)
         fitted = posterior.fitted(coefficients)
         left_out = posterior.left_out(y, fitted)
         known = data.informative(fitted + base[:, None])

@@ -55,7 +55,8 @@ class Search:
     second_steps: int = 8
     last_steps: int = 4
     screening_rows: int = 500
-    """Samples that kernels are compared on."""
+    screening_channels: int = 6
+    """Samples and channels that kernels are compared on, evenly drawn."""
     rows: int = 1000
     """Samples that the search looks at; the rest join in when it is over."""
     centres: int = 1500
@@ -267,7 +268,8 @@ def _best_kernel(
 ) -> Kernel:
     """Return the kernel under which left-out samples are most likely, after a few steps."""
     some = data.spread_out(search.screening_rows)
-    data, design, belief = data.take(some), design.take(some), belief.take(some)
+    data = data.take(some).channels(search.screening_channels)
+    design, belief = design.take(some), belief.take(some)
     whole = _whole(design, prior, Kernel(1.0, 1.0, 1.0))
 
     def tried(kernel: Kernel) -> tuple[float, Kernel]:
