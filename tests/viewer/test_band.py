@@ -20,7 +20,7 @@ from brdfit.reconstruct import Reconstruction
 from brdfit.report.fit_outputs import FitPaths, write_fit
 from brdfit.report.page import pictures
 from brdfit.report.rgb import rgb_table
-from brdfit.report.slice_panel import Z_95, SlicePanel
+from brdfit.report.slice_panel import SlicePanel
 from brdfit.viewer.sample_detail import sample_message
 from brdfit.viewer.workbench import Workbench
 
@@ -48,7 +48,7 @@ def stated(result: Reconstruction, panel: SlicePanel) -> np.ndarray:
     theta_o = np.radians(panel.theta_o)
     wi = directions_from_spherical(np.full(theta_o.shape, np.radians(THETA_I)), np.zeros(1))
     wo = directions_from_spherical(theta_o, np.full(1, np.pi))
-    return Z_95 * result.stddev(wi, wo)
+    return result.deviations(0.95) * result.stddev(wi, wo)
 
 
 def test_the_band_of_a_slice_is_the_one_that_the_posterior_states(

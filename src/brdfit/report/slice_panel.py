@@ -21,16 +21,14 @@ from brdfit.errors import UsageError
 from brdfit.geometry import directions_from_spherical, spherical_from_directions
 from brdfit.reconstruct.result import Reconstruction
 from brdfit.report.channels import shown_channels
+from brdfit.report.uncertainty import NORMAL_95
 from brdfit.samples import Samples
 from brdfit.table import Table
 
-__all__ = ["Z_95", "Curve", "NearPoint", "SlicePanel", "Stddev", "slice_panel"]
+__all__ = ["Curve", "NearPoint", "SlicePanel", "Stddev", "slice_panel"]
 
 Stddev = Callable[[FloatArray, FloatArray], FloatArray]
 """`stddev(wi, wo)`: standard deviation of ln f_r (n, channels), or (n, 1) for all of them."""
-
-Z_95 = 1.96
-"""Standard deviations of a normal distribution on either side of the middle 95 %."""
 
 # How far a sample may lie from the plane and from the angle of the light, in degrees.
 _PLANE, _ANGLE = 5.0, 3.0
@@ -91,10 +89,12 @@ def slice_panel(
     *,
     theta_i: float,
     phi: float = 180.0,
+    deviations: float = NORMAL_95,
 ) -> SlicePanel:
     """Return the slice of `brdf` at `theta_i` in [0, 89] and `phi`, degrees.
 
-    `outliers` (n,) marks samples; `stddev` gives the band, where it is known. A sample is
+    `outliers` (n,) marks samples; `stddev` gives the band, `deviations` of them wide
+    to either side, where it is known. A sample is
     near if its light, or by reciprocity its detector, is within 3 degrees of `theta_i` and
     the two directions are within 5 degrees of the plane.
     """
@@ -103,10 +103,10 @@ def slice_panel(
     theta_o = np.arange(-_LAST, _LAST + _STEP / 2, _STEP)
     wi, wo = _directions(theta_i, theta_o, phi)
     value = brdf.evaluate(wi, wo)
-    deviation = None if stddev is None else np.broadcast_to(stddev(wi, wo), value.shape)
+    half = None if stddev is None else np.broadcast_to(deviations * stddev(wi, wo), value.shape)
     names, wavelengths = _bands(brdf, samples, value.shape[1])
     curves = [
-        _curve(names[c], colour, value[:, c], None if deviation is None else deviation[:, c])
+        _curve(names[c], colour, value[:, c], None if half is None else half[:, c])
         for c, colour in shown_channels(value.shape[1], wavelengths)
     ]
     points: list[NearPoint] = []
@@ -135,10 +135,10 @@ def _bands(
     return tuple(f"channel{index}" for index in range(n)), None
 
 
-def _curve(channel: str, colour: str, value: FloatArray, deviation: FloatArray | None) -> Curve:
-    if deviation is None:
+def _curve(channel: str, colour: str, value: FloatArray, half_width: FloatArray | None) -> Curve:
+    if half_width is None:
         return Curve(channel, colour, value.tolist(), None, None)
-    factor = np.exp(Z_95 * deviation)
+    factor = np.exp(half_width)
     return Curve(
         channel, colour, value.tolist(), (value / factor).tolist(), (value * factor).tolist()
     )

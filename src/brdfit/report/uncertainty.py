@@ -22,7 +22,10 @@ from brdfit.reconstruct.doubt import stated_doubt
 from brdfit.reconstruct.result import Reconstruction
 from brdfit.table import Table
 
-__all__ = ["Uncertainty"]
+__all__ = ["NORMAL_95", "Uncertainty"]
+
+NORMAL_95 = 1.96
+"""Standard deviations of a normal distribution on either side of the middle 95 %."""
 
 _QUANTITY = "standard deviation of ln f_r"
 _ENCODING = "base64 of little-endian float16 in C order; NaN below the horizon"
@@ -37,12 +40,14 @@ class Uncertainty:
     """
 
     stddev: Table
+    deviations_95: float = NORMAL_95
+    """How many of these, to either side, hold 95 % (`Reconstruction.deviations`)."""
 
     @classmethod
     def of(cls, result: Reconstruction, progress: Progress = silent) -> Uncertainty | None:
         """Return what the method of `result` states; None if it states nothing."""
         found = stated_doubt(result, progress)
-        return None if found is None else cls(found)
+        return None if found is None else cls(found, result.deviations(0.95))
 
     @classmethod
     def from_record(cls, record: dict[str, Any], where: str) -> Uncertainty:
@@ -52,7 +57,8 @@ class Uncertainty:
             channels = tuple(str(name) for name in record["channels"])
             content = base64.b64decode(record["values"], validate=True)
             values = np.frombuffer(content, dtype="<f2").astype(np.float64).reshape(shape)
-            return cls(Table(values=values, grid=Grid(*shape[:3]), channels=channels))
+            table = Table(values=values, grid=Grid(*shape[:3]), channels=channels)
+            return cls(table, float(record.get("deviations_95", NORMAL_95)))
         except (KeyError, TypeError, ValueError, binascii.Error) as error:
             raise CorruptFile(
                 f"{where}: 'uncertainty' is damaged ({type(error).__name__}: {error}); expected "
@@ -64,6 +70,7 @@ class Uncertainty:
         values = np.where(self.stddev.mask[..., None], self.stddev.values, np.nan)
         return {
             "quantity": _QUANTITY,
+            "deviations_95": self.deviations_95,
             "grid": "theta_h (square-root warped), theta_d, phi_d, channel",
             "shape": list(values.shape),
             "channels": list(self.stddev.channels),

@@ -24,6 +24,7 @@ from brdfit.report.fitted import Fitted
 from brdfit.report.packed_table import PackedTable
 from brdfit.report.rgb import Conversion, rgb_table
 from brdfit.report.slice_panel import SlicePanel, slice_panel
+from brdfit.report.uncertainty import NORMAL_95
 from brdfit.samples import Samples
 from brdfit.table import Table
 
@@ -102,6 +103,14 @@ class Item:
         return None if stated is None else stated.evaluate
 
     @property
+    def deviations(self) -> float:
+        """How many `stddev`, to either side, hold 95 %."""
+        if self.result is not None:
+            return self.result.deviations(0.95)
+        stated = self.fitted.uncertainty
+        return NORMAL_95 if stated is None else stated.deviations_95
+
+    @property
     def no_band(self) -> str:
         """Why there is no band; empty where there is one."""
         if self.stddev is not None:
@@ -112,7 +121,7 @@ class Item:
 
     def slice(self, theta_i: float, phi: float) -> SlicePanel:
         """Return the slice at angles in degrees, with the band and the samples nearby."""
-        angles = {"theta_i": theta_i, "phi": phi}
+        angles = {"theta_i": theta_i, "phi": phi, "deviations": self.deviations}
         if self.result is not None:
             result = self.result
             return slice_panel(result, result.samples, result.outliers, self.stddev, **angles)

@@ -11,7 +11,6 @@ from brdfit.arrays import FloatArray
 from brdfit.errors import UsageError
 from brdfit.geometry import spherical_from_directions
 from brdfit.report.samples_csv import Judged
-from brdfit.report.slice_panel import Z_95
 from brdfit.samples import Flag, Samples
 from brdfit.viewer.describe import number
 from brdfit.viewer.item import Item
@@ -67,7 +66,7 @@ def _channels(item: Item, judged: Judged, index: int) -> list[ChannelDetail]:
     for c, name in enumerate(samples.channels):
         low = high = None
         if prediction is not None and deviation is not None:
-            factor = float(np.exp(Z_95 * deviation[c]))
+            factor = float(np.exp(item.deviations * deviation[c]))
             low, high = number(prediction[c] / factor), number(prediction[c] * factor)
         state = "unused"
         if samples.usable[index, c]:

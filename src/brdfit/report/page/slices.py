@@ -15,6 +15,7 @@ from brdfit.report.fit_figure import slices_of
 from brdfit.report.fitted import Fitted
 from brdfit.report.page.svg import Plot, Scale, decades
 from brdfit.report.slice_panel import NearPoint, SlicePanel, slice_panel
+from brdfit.report.uncertainty import NORMAL_95
 from brdfit.samples import Samples
 
 __all__ = ["Slices", "slice_data", "slice_plots", "slices_to_draw", "styles_of"]
@@ -49,9 +50,18 @@ def slices_to_draw(fitted: Fitted) -> Slices:
         chosen = slices_of(samples)
         busiest = [round(float(np.degrees(one.theta_i)), 2) for one in chosen]
         start = busiest[int(np.argmax([len(one.rows) for one in chosen]))]
+    stated = fitted.uncertainty
+    deviations = NORMAL_95 if stated is None else stated.deviations_95
     angles = np.unique([*np.arange(0.0, _LAST + _STEP, _STEP), *own, *busiest])
     panels = [
-        slice_panel(fitted.table, samples, outliers, stddev_of(fitted), theta_i=float(angle))
+        slice_panel(
+            fitted.table,
+            samples,
+            outliers,
+            stddev_of(fitted),
+            theta_i=float(angle),
+            deviations=deviations,
+        )
         for angle in angles
         if angle <= _LAST
     ]
