@@ -12,6 +12,7 @@ from brdfit.bench.holdout.aims import Cells, aims_table
 from brdfit.bench.holdout.command import _chosen_methods
 from brdfit.bench.holdout.conditions import part_of
 from brdfit.bench.holdout.judgement import judge_method
+from brdfit.bench.holdout.seen import SEEN, unseen
 from brdfit.bench.real_files import Split, find_cases, input_hashes
 from brdfit.errors import UsageError
 from brdfit.geometry import directions_from_spherical, spherical_from_directions
@@ -118,6 +119,16 @@ def test_aims_are_quotients_of_means_and_the_worst_file():
     assert lines[2].endswith("| at most 0.88 | **0.800** |")
     assert lines[3].endswith("| at most 1.03 | 1.100 |")
     assert lines[4].endswith("| - |")
+
+
+def test_files_that_constants_were_chosen_on_are_told_apart():
+    files = (min(SEEN), "rgl/another.bsdf")
+    errors = dict(zip(files, (0.05, 0.2), strict=True))
+    records = [record("100", file, "posterior", mean) for file, mean in errors.items()]
+    records += [record("100", file, name, 0.1) for file in files for name in ("log_rbf", "global")]
+    every = Cells(records)
+    assert aims_table(every, ["posterior"]).splitlines()[2].endswith("| 1.250 |")
+    assert aims_table(unseen(every), ["posterior"]).splitlines()[2].endswith("| 2.000 |")
 
 
 def test_populations_are_named_behind_a_colon_and_files_by_a_part_of_their_name(tmp_path, rng):

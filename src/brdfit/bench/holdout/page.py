@@ -7,6 +7,7 @@ from typing import Any
 
 from brdfit.bench.holdout.aims import RBF, Cells, aims_table, columns_that_aim
 from brdfit.bench.holdout.conditions import BLIND, SHARE, SPOILT
+from brdfit.bench.holdout.seen import unseen
 from brdfit.bench.ledger import Record
 from brdfit.bench.markdown import Column, cell, table
 
@@ -22,6 +23,9 @@ def page(content: dict[str, Any]) -> str:
     aiming = columns_that_aim(cells, methods)
     if aiming:
         blocks += ["## What the posterior is to reach", _AIMS, aims_table(cells, aiming)]
+        others = unseen(cells)
+        if others.every and len(others.every) < len(cells.every):
+            blocks += [_UNSEEN, aims_table(others, aiming)]
     for condition in settings["conditions"]:
         files = cells.files(condition)
         if files:
@@ -49,6 +53,8 @@ that leans on a population leans on the default one unless another is named behi
 
 _AIMS = f"""Set before the posterior was built. *Better* is the better of `{RBF}` and `global` on
 each file. Means are over the files that have the condition; a figure in bold is reached."""
+
+_UNSEEN = """The same over the files that none of the posterior's constants was chosen on:"""
 
 _INTERVALS = """Share of the held-out measurements within the 68 % and the 95 % interval that the
 method states, the noise of a measurement included; the median standard deviation of ln f_r; the
