@@ -22,6 +22,7 @@ import numpy as np
 from brdfit.arrays import BoolArray, FloatArray, IntArray
 from brdfit.errors import FitError
 from brdfit.geometry import half_diff_from_directions
+from brdfit.reconstruct.coordinates import half_diff_features
 from brdfit.samples import Samples
 
 __all__ = ["LogRbf", "RbfSettings"]
@@ -90,10 +91,7 @@ class LogRbf:
 
 
 def _features(angles: Angles, scale: float) -> FloatArray:
-    theta_h, theta_d, phi_d = angles
-    r = np.sin(theta_h) * np.sin(theta_d)
-    root = scale * np.sqrt(theta_h / (np.pi / 2))
-    return np.stack([root, theta_d / (np.pi / 2), r * np.cos(2 * phi_d), r * np.sin(2 * phi_d)], 1)
+    return half_diff_features(*angles) * [scale, 1.0, 1.0, 1.0]
 
 
 def _at(angles: Angles, rows: BoolArray) -> Angles:

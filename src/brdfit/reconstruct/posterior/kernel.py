@@ -82,12 +82,7 @@ class Kernel:
             rows = slice(start, start + step)
             d, falling = room[:, : len(left[rows])]
             np.matmul(left[rows], right, out=d)
-            np.maximum(d, 0.0, out=d)
-            np.sqrt(d, out=d)
-            np.negative(d, out=falling)
-            np.exp(falling, out=falling)
-            d += 1.0
-            d *= falling
+            _matern(d, falling)
             np.matmul(d, weights, out=result[rows])
         return result
 
@@ -96,14 +91,20 @@ class Kernel:
         d = (-2.0 * x) @ z.T
         d += (x * x).sum(axis=1)[:, None]
         d += (z * z).sum(axis=1)
-        np.maximum(d, 0.0, out=d)
         d *= 3.0
-        np.sqrt(d, out=d)
-        falling = np.exp(-d)
-        d += 1.0
-        d *= falling
+        _matern(d, np.empty_like(d))
         d *= self.amplitude**2
         return np.asarray(d)
+
+
+def _matern(d: FloatArray, room: FloatArray) -> None:
+    """Put (1 + sqrt(s)) exp(-sqrt(s)) in place of s = 3 d^2; `room` is of its shape."""
+    np.maximum(d, 0.0, out=d)
+    np.sqrt(d, out=d)
+    np.negative(d, out=room)
+    np.exp(room, out=room)
+    d += 1.0
+    d *= room
 
 
 def _node_axes(grid: Grid) -> Angles:
