@@ -122,7 +122,7 @@ def _weights(source: Table, bsdf: Any) -> Record:
     mi = _mitsuba()
     angles = np.deg2rad(INCIDENCES)
     expected = directional_albedo(source, angles, rings=240, spokes=48)
-    # Scrambled Sobol points: with as many random ones the mean of a dark channel scatters by 3 %.
+    # Scrambled Sobol points: as many random ones leave the mean of a dark channel unsettled.
     points = qmc.Sobol(3, rng=SEED).random(DRAWN).astype(np.float32).T
     found = []
     for angle in angles:

@@ -1,7 +1,7 @@
 """The leading components of what a material may be: a population, and a little beyond it.
 
 With the log columns L_j of a population, their weights omega_j and mean, and the functions
-psi_k of the local residual (`posterior.residual`) at amplitude a,
+psi_k of the local residual (`compact.residual`) at amplitude a,
 
     X = [ sqrt(omega_j) (L_j - mean) | a psi_k ],     X X^T = U Lambda U^T,     B = U Lambda^1/2
 
