@@ -7,6 +7,12 @@ and an absolute one at the dark end, where instruments (and decoded networks) ha
     V_i = s^2 + (floor / f_i)^2 + (sigma_i / f_i)^2
 
 with f_i the mean of a row over its channels and sigma_i the stated standard deviation, if any.
+
+A value that is zero or negative says that the truth is not above a bound, `targets_of`. Its own
+size says how wrong the entry is, and a dark channel is known no better than a small share of
+the brightest one of its row (stray light, a colour outside the gamut, a matrix from sensor to
+RGB). Taken for less than the channel's smallest values anywhere, such entries would pull the
+whole channel into the dark.
 """
 
 from __future__ import annotations
@@ -19,7 +25,10 @@ from brdfit.arrays import BoolArray, FloatArray, IntArray
 from brdfit.reconstruct.targets import Targets
 from brdfit.samples import Samples
 
-__all__ = ["Measurements"]
+__all__ = ["Measurements", "targets_of"]
+
+# Share of the brightest channel of a row below which another one is not known.
+_DARKEST = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +55,7 @@ class Measurements:
     @classmethod
     def of(cls, samples: Samples, floor: float) -> Measurements:
         """Take the usable rows of `samples`; `floor` is the absolute noise, 1/sr."""
-        targets = Targets.of(samples)
+        targets = targets_of(samples)
         usable = np.flatnonzero(targets.usable.any(axis=1))
         ordered = usable[_canonical_order(samples, usable)]
         rows, place = _without_copies(samples, ordered)
@@ -108,6 +117,20 @@ class Measurements:
         if n <= count:
             return np.arange(n)
         return np.unique(np.linspace(0, n - 1, count).round().astype(np.int64))
+
+
+def targets_of(samples: Samples) -> Targets:
+    """Return the targets of `samples`, the bounds of censored entries raised by their rows.
+
+    A bound is the largest of the channel's floor, the size of the value, and a hundredth of the
+    row's brightest channel.
+    """
+    targets = Targets.of(samples)
+    brightest = np.where(samples.positive, samples.value, 0.0).max(axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        least = np.log(np.maximum(np.abs(samples.value), _DARKEST * brightest))
+        bound = np.maximum(targets.log_value, least)
+    return replace(targets, log_value=np.where(targets.censored, bound, targets.log_value))
 
 
 def _canonical_order(samples: Samples, rows: IntArray) -> IntArray:

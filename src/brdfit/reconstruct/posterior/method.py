@@ -13,7 +13,7 @@ from brdfit.progress import Progress, silent
 from brdfit.reconstruct.checks import check_above, check_count
 from brdfit.reconstruct.outcome import Outcome
 from brdfit.reconstruct.outliers import FEWEST
-from brdfit.reconstruct.posterior.measurements import Measurements
+from brdfit.reconstruct.posterior.measurements import Measurements, targets_of
 from brdfit.reconstruct.posterior.model import PosteriorModel
 from brdfit.reconstruct.posterior.principal import (
     PrincipalBasis,
@@ -22,7 +22,6 @@ from brdfit.reconstruct.posterior.principal import (
 )
 from brdfit.reconstruct.posterior.stages import Design, Judged, Search, explain, verdict_on
 from brdfit.reconstruct.result import Reconstruction, population_record
-from brdfit.reconstruct.targets import Targets
 from brdfit.samples import Samples
 
 __all__ = ["Posterior"]
@@ -100,7 +99,7 @@ class Posterior:
         place = np.where(used, data.place, 0)
         responsibility = np.where(used, judged.responsibility[place], 0.0)
         residuals = np.full(samples.value.shape, np.nan)
-        residuals[used] = Targets.of(samples).take(used).residual(judged.mean[place[used]])
+        residuals[used] = targets_of(samples).take(used).residual(judged.mean[place[used]])
         residuals[~samples.usable] = np.nan
         outliers = used & (responsibility < _HALF)
         return Reconstruction(
