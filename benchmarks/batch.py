@@ -41,6 +41,8 @@ from brdfit.samples import Samples
 
 Record = dict[str, object]
 
+_KILLS, _AT_START = 20, 5
+
 
 def main() -> None:
     """Measure the parts that were asked for; write the result and its page."""
@@ -48,11 +50,17 @@ def main() -> None:
     parser.add_argument("--nbrdf", type=Path, required=True, help="archive of decoded networks")
     parser.add_argument("--parts", default="speed,accuracy,memory,kills,dask")
     parser.add_argument("--items", type=int, default=100_000)
+    parser.add_argument(
+        "--memory-items",
+        default="10000,300000,1000000",
+        help="sizes of the part memory; the longest takes minutes and 2 GB of disk",
+    )
     parser.add_argument("-o", "--output", type=Path, default=Path("benchmarks/results/batch.json"))
     arguments = parser.parse_args()
     networks = population(arguments.nbrdf)
     used = networks.unique_materials[2::3]
-    bench = Bench(networks, used, arguments.items)
+    sizes = tuple(int(size) for size in arguments.memory_items.split(","))
+    bench = Bench(networks, used, arguments.items, sizes)
     result: Record = {"benchmark": "batch", "parts": {}}
     if arguments.output.exists():
         result = json.loads(arguments.output.read_text())
@@ -73,10 +81,13 @@ def main() -> None:
 class Bench:
     """The parts, each a function that returns its figures."""
 
-    def __init__(self, networks: Population, used: tuple[str, ...], items: int) -> None:
+    def __init__(
+        self, networks: Population, used: tuple[str, ...], items: int, sizes: tuple[int, ...]
+    ) -> None:
         self.networks = networks
         self.used = used
         self.items = items
+        self.sizes = sizes
         self._scratch = tempfile.TemporaryDirectory(prefix="batch-")
         self.folder = Path(self._scratch.name)
 
@@ -140,18 +151,21 @@ class Bench:
         return found
 
     def memory(self) -> Record:
-        """Peak of the memory of all processes (proportional set size), two workers."""
+        """Peak of the memory of all processes together, two workers, by number of items."""
         found: Record = {"limit_mb": 1024, "workers": 2}
-        for count in (10_000, 300_000):
+        for count in self.sizes:
             words = [sys.executable, "-m", "brdfit", "batch", str(self.table(count)), "-o"]
-            words += [str(self.folder / f"m{count}.zarr"), "--workers", "2", "--memory", "1GB"]
+            store = self.folder / f"m{count}.zarr"
+            words += [str(store), "--workers", "2", "--memory", "1GB"]
             started = time.perf_counter()
             with subprocess.Popen(words, stdout=subprocess.DEVNULL) as process:
                 peak = watched(process)
             assert process.returncode == 0
             seconds = time.perf_counter() - started
             found[str(count)] = {"peak_mb": peak >> 20, "seconds": round(seconds, 1)}
+            print(count, found[str(count)], flush=True)
             (self.folder / f"{count}.parquet").unlink()
+            shutil.rmtree(store)
         return found
 
     def dask(self) -> Record:
@@ -174,21 +188,32 @@ class Bench:
         return found
 
     def kills(self) -> Record:
-        """Kill a run at 20 random moments, continue it, and compare with an undisturbed one."""
-        path, chance = self.table(40_000), random.Random(20)
-        words = [sys.executable, "-m", "brdfit", "batch", str(path), "--workers", "2", "-o"]
+        """Kill a run at random moments, continue it, and compare with an undisturbed one.
+
+        Twenty times between its first block and its last, evenly drawn, each once a block more
+        is written; before that a few times while it starts.
+        """
+        path, chance = self.table(self.items), random.Random(20)
         whole, pieces = self.folder / "whole.zarr", self.folder / "pieces.zarr"
-        subprocess.run([*words, str(whole)], check=True, stdout=subprocess.DEVNULL)
+        words = [sys.executable, "-m", "brdfit", "batch", str(path), "--workers", "2", "-o"]
+        Compact().fit(self.patch(CHUNK).item(0))  # what is compiled or built once is there then
+        seconds, first = undisturbed([*words, str(whole)], whole)
+        blocks = blocks_of(whole)
+        pace = (seconds - first) / blocks
+        for _ in range(_AT_START):
+            killed([*words, str(pieces)], pieces, 0, chance.uniform(0.0, first))
+        started = done_of(pieces)
         done: list[int] = []
-        for _ in range(20):
-            with subprocess.Popen([*words, str(pieces)], stdout=subprocess.DEVNULL) as process:
-                wait_for_blocks(pieces, chance.randrange(2), process)
-                time.sleep(chance.uniform(0.0, 0.7))
-                process.kill()
-            done.append(open_batch(pieces).done if pieces.exists() else 0)
+        for mark in sorted(chance.sample(range(1, blocks - 1), _KILLS)):
+            before = blocks_of(pieces)
+            killed([*words, str(pieces)], pieces, max(mark, before + 1), chance.uniform(0.0, pace))
+            done.append(done_of(pieces))
         subprocess.run([*words, str(pieces)], check=True, stdout=subprocess.DEVNULL)
         return {
-            "items": 40_000,
+            "items": self.items,
+            "blocks": blocks,
+            "kills_while_starting": _AT_START,
+            "done_after_those": started,
             "kills": len(done),
             "done_after_each": done,
             "identical": content(whole) == content(pieces),
@@ -307,15 +332,38 @@ def memory_of_tree(pid: int) -> int:
     return total + sum(memory_of_tree(int(child)) for child in children)
 
 
-def wait_for_blocks(store: Path, more: int, process: subprocess.Popen[bytes]) -> None:
-    """Wait until a run has begun and has done so many more blocks, or has ended."""
+def undisturbed(words: list[str], store: Path) -> tuple[float, float]:
+    """Return the seconds of a run, and those until its first block was written."""
+    started, first = time.perf_counter(), None
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL) as process:
+        while process.poll() is None:
+            if first is None and blocks_of(store):
+                first = time.perf_counter() - started
+            time.sleep(0.01)
+    assert process.returncode == 0
+    assert first is not None
+    return time.perf_counter() - started, first
 
-    def blocks() -> int:
-        return len(list((store / "done" / "c").glob("[0-9]*")))
 
-    before = blocks()
-    while process.poll() is None and (not store.exists() or blocks() < before + more):
-        time.sleep(0.01)
+def killed(words: list[str], store: Path, blocks: int, wait: float) -> None:
+    """Kill a run so many seconds after that many blocks of its store are written."""
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL) as process:
+        while blocks_of(store) < blocks:
+            assert process.poll() is None, "the run ended before it could be killed"
+            time.sleep(0.005)
+        time.sleep(wait)
+        process.kill()
+    assert process.returncode == -signal.SIGKILL, "the run ended before it was killed"
+
+
+def blocks_of(store: Path) -> int:
+    """Return how many blocks of a store are marked as done."""
+    return sum(1 for _ in (store / "done" / "c").glob("[0-9]*"))
+
+
+def done_of(store: Path) -> int:
+    """Return how many items of a store are done; 0 where there is no store yet."""
+    return open_batch(store).done if store.exists() else 0
 
 
 def content(store: Path) -> dict[str, bytes]:
