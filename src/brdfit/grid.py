@@ -82,6 +82,15 @@ class Grid:
         """Flat indices of the cells above the horizon, ascending."""
         return frozen(np.flatnonzero(self.above_horizon))
 
+    def spread(self, values: FloatArray) -> FloatArray:
+        """Return values (cells.size, c) of the cells above the horizon in their places.
+
+        Shape (*shape, c), float32; 0 below the horizon.
+        """
+        result = np.zeros((self.size, values.shape[1]), dtype=np.float32)
+        result[self.cells] = values
+        return result.reshape(*self.shape, -1)
+
     @cached_property
     def solid_angle(self) -> FloatArray:
         """Measure of each cell above the horizon, shape `shape`, summing to 1; 0 below.

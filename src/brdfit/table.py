@@ -58,7 +58,9 @@ class Table(Shown):
         # A read-only array that owns its memory was handed over: MERL tables are 35 MB each.
         owned = not values.flags.writeable and values.flags.c_contiguous and values.base is None
         put(self, "values", values if owned else frozen(values))
-        valid = self.grid.above_horizon & np.isfinite(values).all(axis=3)
+        finite = np.isfinite(values)
+        # Mostly all are: one pass then, where one along the short last axis takes the longest.
+        valid = self.grid.above_horizon & (finite.all() or finite.all(axis=3))
         if self.valid is not None:
             given = np.asarray(self.valid, dtype=bool)
             if given.shape != self.grid.shape:

@@ -47,6 +47,16 @@ def test_a_node_comes_back_through_its_directions(grid: Grid) -> None:
     assert np.array_equal(back, inside)
 
 
+@given(sizes)
+def test_values_are_spread_to_their_cells_and_nothing_is_below_the_horizon(grid: Grid) -> None:
+    values = np.arange(1.0, 2 * grid.cells.size + 1).reshape(-1, 2)
+    spread = grid.spread(values)
+    assert spread.dtype == np.float32
+    assert spread.shape == (*grid.shape, 2)
+    assert np.array_equal(spread.reshape(-1, 2)[grid.cells], values)
+    assert not spread[~grid.above_horizon].any()
+
+
 @given(sizes, points)
 def test_weights_are_a_partition_of_one(grid: Grid, point: tuple[float, float, float]) -> None:
     index, weight = grid.corners(*point)

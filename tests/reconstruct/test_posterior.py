@@ -9,10 +9,11 @@ import pytest
 
 from brdfit.errors import UsageError
 from brdfit.grid import Grid
+from brdfit.populations.store import stored_cells
 from brdfit.progress import silent
 from brdfit.reconstruct import Posterior
 from brdfit.reconstruct.posterior.calibration import Calibration
-from brdfit.reconstruct.posterior.principal import axes_of, principal_basis
+from brdfit.reconstruct.posterior.principal import GridComponents, axes_of
 from brdfit.reconstruct.posterior.prior import population_prior
 from brdfit.reconstruct.posterior.stages import Search
 
@@ -149,23 +150,26 @@ def test_the_table_is_the_reconstruction_at_the_nodes(method, measure):
     assert np.median(off(table.evaluate(*at), result.evaluate(*at))) < 1e-3
 
 
-def test_where_no_node_is_between_cells_every_cell_is_the_reconstruction_there(method, measure):
+def test_every_cell_of_the_table_is_the_reconstruction_there(method, measure):
     result = method.fit(measure(n=200))
     grid = Grid(30, 20, 24)
     dense = result.model.dense(grid, silent)
     assert dense.dtype == np.float32
-    assert off(dense, result.evaluate(*grid.directions(grid.cells))).max() < 1e-3
+    assert not dense[~grid.above_horizon].any()
+    found = dense.reshape(grid.size, -1)[grid.cells]
+    assert off(found, result.evaluate(*grid.directions(grid.cells))).max() < 1e-3
 
 
-def test_the_rows_of_one_theta_h_are_all_that_its_cells_want(toy):
+@pytest.mark.parametrize("bilateral", [True, False])
+def test_the_rows_of_one_theta_h_are_those_of_its_cells(bilateral):
     grid = Grid(9, 8, 10)
-    stored = principal_basis(toy).on_grid(grid)
-    cells = np.arange(grid.cells.size)
-    told = []
-    for which, rows in stored.slabs():
-        told.append(cells[which])
-        assert ((stored.expand[which] >= rows.start) & (stored.expand[which] < rows.stop)).all()
-    assert np.array_equal(np.concatenate(told), cells)
+    cells, expand = stored_cells(grid, bilateral)
+    stored = GridComponents(grid, bilateral, cells[:, None].astype(np.float32))
+    found = []
+    for i in range(grid.n_theta_h):
+        rows, row_of = stored.ring(i)
+        found.append(rows[row_of, 0])
+    assert np.array_equal(np.concatenate(found)[grid.cells], cells[expand])
 
 
 def test_the_leading_directions_are_the_largest_in_ln_f_r_and_the_prior_is_the_same():

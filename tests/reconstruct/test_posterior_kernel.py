@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from brdfit.grid import Grid
+from brdfit.grid import MERL_GRID, Grid
 from brdfit.reconstruct.posterior.kernel import Kernel
+from brdfit.reconstruct.posterior.nodes import ResidualOnGrid
+from brdfit.reconstruct.posterior.stages import Search
 
 
 @pytest.fixture
@@ -39,11 +41,40 @@ def test_reciprocal_pairs_are_one_and_azimuth_has_no_say_at_the_poles(angles):
         assert np.allclose(kernel.between(pole, angles), kernel.between(turned, angles))
 
 
-@pytest.mark.parametrize("shape", [(90, 90, 180), (12, 9, 10), (3, 2, 2)])
-def test_on_a_grid_it_is_the_sum_over_the_centres(angles, shape):
-    grid, kernel = Grid(*shape), Kernel(0.4, 1.0, 0.3)
-    alpha = np.random.default_rng(4).normal(size=(40, 2))
-    dense = kernel.on_grid(grid, angles, alpha).reshape(-1, 2)
-    cells = np.random.default_rng(5).choice(grid.size, min(grid.size, 2000), replace=False)
+def on_grid(kernel, grid, centres, alpha):
+    """Return the sum at all cells (size, c)."""
+    summed = ResidualOnGrid.of(kernel, grid, centres, alpha)
+    dense = np.zeros((*grid.shape, alpha.shape[1]), dtype=np.float32)
+    for i, logs in enumerate(dense):
+        summed.add_to(logs, i)
+    return dense.reshape(grid.size, -1)
+
+
+def few_of(grid, seed):
+    return np.random.default_rng(seed).choice(grid.cells, min(grid.cells.size, 2000), replace=False)
+
+
+@pytest.mark.parametrize("channels", [2, 6])
+@pytest.mark.parametrize("shape", [(12, 9, 10), (3, 2, 2)])
+def test_where_nodes_are_the_cells_the_sum_is_exact(angles, shape, channels):
+    grid, kernel = Grid(*shape), Kernel(0.15, 1.0, 0.3)
+    alpha = np.random.default_rng(4).normal(size=(40, channels))
+    cells = few_of(grid, 5)
     exact = kernel.between(grid.half_diff(cells), angles) @ alpha
-    assert np.abs(dense[cells] - exact).max() < 0.005 * np.abs(exact).max()
+    assert np.abs(on_grid(kernel, grid, angles, alpha)[cells] - exact).max() < 1e-5
+
+
+@pytest.mark.parametrize(("length", "stretch"), Search().shapes)
+def test_what_follows_samples_is_carried_to_the_cells_within_two_thousandths(length, stretch):
+    kernel, rng = Kernel(length, stretch, 0.1), np.random.default_rng(6)
+    centres = MERL_GRID.half_diff(rng.choice(MERL_GRID.cells, 500, replace=False))
+    gram = kernel.between(centres, centres)
+    drawn = np.linalg.cholesky(gram + 1e-9 * np.eye(500)) @ rng.normal(size=(500, 3))
+    noise = 0.02
+    measured = drawn + noise * rng.normal(size=drawn.shape)
+    alpha = np.linalg.solve(gram + noise**2 * np.eye(500), measured)
+    cells = few_of(MERL_GRID, 7)
+    exact = kernel.between(MERL_GRID.half_diff(cells), centres) @ alpha
+    off = np.abs(on_grid(kernel, MERL_GRID, centres, alpha)[cells] - exact)
+    assert np.ptp(exact) > 0.1
+    assert off.max() < 2e-3

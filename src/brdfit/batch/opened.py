@@ -156,9 +156,7 @@ class BatchItem:
 
     def table(self, grid: Grid = MERL_GRID, progress: Progress = silent) -> Table:
         """Return the dense result on `grid`."""
-        n = len(self.batch.channels)
-        values = np.zeros((*grid.shape, n), dtype=np.float32)
-        values.reshape(-1, n)[grid.cells] = self.model.dense(grid, progress)
+        values = self.model.dense(grid, progress)
         values.flags.writeable = False  # handed over: the table need not copy it
         bands = self.batch.attributes["wavelengths"]
         return Table(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 
 import numpy as np
 
@@ -32,7 +33,14 @@ def remember_rows(
                 np.lib.format.write_array_header_1_0(stream, header)
                 for block in blocks():
                     stream.write(np.ascontiguousarray(block, dtype="<f4").data)
-    return np.asanyarray(np.load(path, mmap_mode="r"))
+        status = path.stat()
+    return _mapped(str(path), status.st_ino, status.st_mtime_ns)
+
+
+@lru_cache(maxsize=4)
+def _mapped(path: str, *identity: int) -> FloatArray:
+    """Return what is on disk, mapped; the same mapping again while the file is the same."""
+    return np.asarray(np.load(path, mmap_mode="r"))
 
 
 def _need_room(folder: str, size: int) -> None:

@@ -71,8 +71,10 @@ class CorrectedCombination:
         return np.exp(self.log_value(MemberRows.at(self.population, wi, wo)).astype(np.float64))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        """Return f_r (grid.cells.size, c), 1/sr."""
-        return on_grid(self.population, grid, lambda rows: np.exp(self.log_value(rows)), progress)
+        """Return f_r (*grid.shape, c), 1/sr; 0 below the horizon."""
+        return grid.spread(
+            on_grid(self.population, grid, lambda rows: np.exp(self.log_value(rows)), progress)
+        )
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> None:
         """Return None: the published method states no uncertainty."""

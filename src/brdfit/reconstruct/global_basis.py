@@ -43,9 +43,14 @@ class CombinationModel:
         return np.exp(log_value.astype(np.float64))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        """Return f_r (grid.cells.size, c), 1/sr."""
-        return on_grid(
-            self.population, grid, lambda rows: np.exp(self.combination.log_value(rows)), progress
+        """Return f_r (*grid.shape, c), 1/sr; 0 below the horizon."""
+        return grid.spread(
+            on_grid(
+                self.population,
+                grid,
+                lambda rows: np.exp(self.combination.log_value(rows)),
+                progress,
+            )
         )
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> None:

@@ -132,20 +132,21 @@ class SplineModel:
         return np.exp(self.decode(design @ self.coefficients))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        """Return f_r (grid.cells.size, c), 1/sr: the axes are contracted one by one."""
+        """Return f_r (*grid.shape, c), 1/sr: the axes are contracted one by one."""
         factors = self.space.factors(grid.theta_h, grid.theta_d, grid.phi_d)
         a, b, c = (factor.toarray() for factor in factors)
-        result = np.empty((grid.cells.size, self.coefficients.shape[1]), dtype=np.float32)
-        for channel in range(result.shape[1]):
-            progress("dense result", channel, result.shape[1])
+        channels = self.coefficients.shape[1]
+        result = np.empty((grid.cells.size, channels), dtype=np.float32)
+        for channel in range(channels):
+            progress("dense result", channel, channels)
             q = self.coefficients[:, channel].reshape(self.space.shape)
             full = np.einsum("ia,abc,jb,kc->ijk", a, q, b, c, optimize=True)
             # at the poles all azimuths are one direction, whose phi_d is 0
             full[0], full[:, 0] = full[0, :, :1], full[:, 0, :1]
             encoded = full.reshape(-1)[grid.cells] + self.mean[channel]
             result[:, channel] = np.exp(self.metric.decode(encoded) + self.log_scale[channel])
-        progress("dense result", result.shape[1], result.shape[1])
-        return result
+        progress("dense result", channels, channels)
+        return grid.spread(result)
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> None:
         """Return None: the method states no uncertainty."""

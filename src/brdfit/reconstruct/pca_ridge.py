@@ -115,13 +115,13 @@ class PcaModel:
         return self.mapping.decode(combined(columns, self.combination), cosine)
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        """Return f_r (grid.cells.size, c), 1/sr."""
+        """Return f_r (*grid.shape, c), 1/sr; 0 below the horizon."""
 
         def values(members: MemberRows, cells: IntArray) -> FloatArray:
             cosines = cos_incident_outgoing(*grid.half_diff(cells))
             return self.values(members, cosine_product(*cosines))
 
-        return by_block(self.population, grid, values, progress)
+        return grid.spread(by_block(self.population, grid, values, progress))
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> None:
         """Return None: the method states no uncertainty."""

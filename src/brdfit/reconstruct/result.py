@@ -47,7 +47,7 @@ class Model(Protocol):
         """Return f_r (n, channels) > 0 at directions above the horizon."""
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        """Return f_r (grid.cells.size, channels), one row a cell above the horizon."""
+        """Return f_r (*grid.shape, channels), float32; 0 below the horizon."""
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         """Return the standard deviation of ln f_r (n, channels), or None if unknown."""
@@ -158,9 +158,7 @@ class Reconstruction(Shown):
 
     def table(self, grid: Grid = MERL_GRID, progress: Progress = silent) -> Table:
         """Return the dense result on `grid`; every cell above the horizon is valid."""
-        n = self.samples.n_channels
-        values = np.zeros((*grid.shape, n), dtype=np.float32)
-        values.reshape(-1, n)[grid.cells] = self.model.dense(grid, progress)
+        values = self.model.dense(grid, progress)
         values.flags.writeable = False  # handed over: the table need not copy it
         return Table(
             values=values,

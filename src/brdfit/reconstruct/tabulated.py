@@ -52,9 +52,10 @@ class RbfModel:
         return self._at(half_diff_features(*half_diff_from_directions(wi, wo)), lambda done: None)
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        """Return f_r (grid.cells.size, c), 1/sr."""
+        """Return f_r (*grid.shape, c), 1/sr; 0 below the horizon."""
         features = half_diff_features(*grid.half_diff(grid.cells))
-        return self._at(features, lambda done: progress("dense result", done, len(features)))
+        found = self._at(features, lambda done: progress("dense result", done, len(features)))
+        return grid.spread(found)
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> None:
         """Return None: an exact interpolant knows no uncertainty."""

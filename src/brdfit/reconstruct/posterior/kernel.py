@@ -10,9 +10,6 @@ has no say at the poles. Kernels that are products along (theta_h, theta_d, phi_
 on a grid, but predicted real measurements worse: what changes fast in phi_d changes where
 theta_h and theta_d are large, and there only.
 
-On a grid the sum over the samples is taken at nodes that are coarser than its cells and carried
-to them by cubic splines along each axis: it is smooth, and most of the work is saved.
-
 Reference: C. E. Rasmussen, C. K. I. Williams, "Gaussian Processes for Machine Learning", MIT
 Press 2006, section 4.2.1 (Matern).
 """
@@ -24,7 +21,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from brdfit.arrays import FloatArray
-from brdfit.grid import Grid
 from brdfit.reconstruct.coordinates import half_diff_features
 
 __all__ = ["Angles", "Kernel"]
@@ -32,8 +28,6 @@ __all__ = ["Angles", "Kernel"]
 Angles = tuple[FloatArray, FloatArray, FloatArray]
 """theta_h, theta_d, phi_d, each (n,), radians."""
 
-# Nodes along theta_h (even in its square root), theta_d and phi_d.
-_NODES = (46, 31, 48)
 # Values of the kernel worked out together: what is next done to them finds them in the cache.
 _IN_CACHE = 1 << 17
 
@@ -56,19 +50,12 @@ class Kernel:
         """Return k (n, m), float64."""
         return self._of_coordinates(self.coordinates(one), self.coordinates(other))
 
-    def on_grid(self, grid: Grid, centres: Angles, alpha: FloatArray) -> FloatArray:
-        """Return sum_j k(x, centre_j) alpha_j, float32, for every cell, (h, d, phi, c)."""
-        axes = _node_axes(grid)
-        theta_h, theta_d, phi_d = (np.ravel(axis) for axis in np.meshgrid(*axes, indexing="ij"))
-        x, z = self.coordinates((theta_h, theta_d, phi_d)), self.coordinates(centres)
-        at_nodes = self._summed(x, z, alpha)
-        return _carried(at_nodes.reshape(*(len(axis) for axis in axes), -1), axes, grid)
-
-    def _summed(self, x: FloatArray, z: FloatArray, alpha: FloatArray) -> FloatArray:
-        """Return sum_j k(x, z_j) alpha_j (n, c), float32, from x / length (n, 4) and (m, 4).
+    def summed(self, angles: Angles, centres: Angles, alpha: FloatArray) -> FloatArray:
+        """Return sum_j k(x, centre_j) alpha_j (n, c), float32, for alpha (m, c).
 
         3 d^2 = (x, |x|^2, 1) . 3 (-2 z, 1, |z|^2) is one product.
         """
+        x, z = self.coordinates(angles), self.coordinates(centres)
         # Distances are differences of squares: from the middle the squares are small.
         middle = z.mean(axis=0) if len(z) else 0.0
         x, z = x - middle, z - middle
@@ -105,44 +92,3 @@ def _matern(d: FloatArray, room: FloatArray) -> None:
     np.exp(room, out=room)
     d += 1.0
     d *= room
-
-
-def _node_axes(grid: Grid) -> Angles:
-    """Return nodes along each axis that cover the grid's, no more than it has."""
-    h, d, phi = (
-        min(most, axis.size)
-        for most, axis in zip(_NODES, (grid.theta_h, grid.theta_d, grid.phi_d), strict=True)
-    )
-    root = np.sqrt(grid.theta_h)
-    step = np.pi / phi
-    return (
-        np.linspace(root[0], root[-1], h) ** 2,
-        np.linspace(grid.theta_d[0], grid.theta_d[-1], d),
-        step * np.arange(phi),
-    )
-
-
-def _carried(values: FloatArray, axes: Angles, grid: Grid) -> FloatArray:
-    """Carry `values` (h, d, phi, c) at nodes to the cells of a grid."""
-    along_h = _spline(np.sqrt(axes[0]), np.sqrt(grid.theta_h))
-    along_d = _spline(axes[1], grid.theta_d)
-    around = _spline(axes[2], np.mod(grid.phi_d, np.pi), period=np.pi)
-    part: FloatArray = np.einsum("ia,abkc->ibkc", along_h, values, optimize=True)
-    part = np.einsum("jb,ibkc->ijkc", along_d, part, optimize=True)
-    return np.asarray(np.einsum("lk,ijkc->ijlc", around, part, optimize=True))
-
-
-def _spline(nodes: FloatArray, at: FloatArray, period: float | None = None) -> FloatArray:
-    """Return the matrix (len(at), len(nodes)), float32, of cubic spline interpolation."""
-    from scipy.interpolate import CubicSpline, make_interp_spline
-
-    if len(nodes) < 4:
-        nearest = np.abs(at[:, None] - nodes).argmin(axis=1)
-        return np.asarray(np.eye(len(nodes), dtype=np.float32)[nearest])
-    if period is None:
-        matrix: FloatArray = make_interp_spline(nodes, np.eye(len(nodes)), k=3)(at)
-        return matrix.astype(np.float32)
-    closed = np.append(nodes, nodes[0] + period)
-    unit = np.eye(len(nodes))
-    around = CubicSpline(closed, np.vstack([unit, unit[:1]]), bc_type="periodic")
-    return np.asarray(around(at), dtype=np.float32)

@@ -18,11 +18,11 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 
 import numpy as np
 
-from brdfit.arrays import FloatArray, IntArray
+from brdfit.arrays import FloatArray, IntArray, frozen
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.populations import Population, remember
@@ -79,7 +79,8 @@ class PrincipalBasis:
 
     def on_grid(self, grid: Grid, progress: Progress = silent) -> GridComponents:
         """Return mu and B at the cells of a grid, built on first use."""
-        cells, expand = stored_cells(grid, self.population.source.bilateral)
+        bilateral = self.population.source.bilateral
+        cells, _ = stored_cells(grid, bilateral)
         key = json.dumps([self.population.fingerprint, grid.shape, self.size, _VERSION])
 
         def blocks() -> Iterator[FloatArray]:
@@ -90,32 +91,31 @@ class PrincipalBasis:
             progress(_LABEL, cells.size, cells.size)
 
         rows = remember_rows("principal", key, (cells.size, 1 + self.size), blocks)
-        return GridComponents(grid, cells, expand, rows)
+        return GridComponents(grid, bilateral, rows)
 
 
 @dataclass(frozen=True, eq=False)
 class GridComponents:
-    """[mu | B] at cells of a grid; `expand` leads from each of `grid.cells` to its row."""
+    """[mu | B] at the cells of a grid."""
 
     grid: Grid
-    cells: IntArray
-    expand: IntArray
+    bilateral: bool
+    """Whether phi_d and pi - phi_d have one row."""
     rows: FloatArray
     """(m, 1 + q), float32, on disk."""
 
-    def slabs(self) -> Iterator[tuple[slice, slice]]:
-        """Yield (which of `grid.cells`, which rows) for each theta_h: none needs another's rows."""
-        size = self.grid.size // self.grid.n_theta_h
-        edges = np.arange(self.grid.n_theta_h + 1) * size
-        cells = np.searchsorted(self.grid.cells, edges)
-        rows = np.searchsorted(self.cells, edges)
-        for i in range(self.grid.n_theta_h):
-            yield slice(cells[i], cells[i + 1]), slice(rows[i], rows[i + 1])
+    def ring(self, i: int) -> tuple[FloatArray, IntArray]:
+        """Return (the rows of theta_h[i], which of them each of its cells has (d * phi,)).
+
+        Cells below the horizon have the first.
+        """
+        first, row_of = _row_of(self.grid, self.bilateral)
+        return self.rows[first[i] : first[i + 1]], row_of[i] - first[i]
 
     def interpolated(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return [mu | B] (n, 1 + q), trilinear between valid cells."""
         blank = Table(values=np.zeros((*self.grid.shape, 1), dtype=np.float32), grid=self.grid)
-        row_of = self._row_of
+        row_of = _row_of(self.grid, self.bilateral)[1].reshape(-1)
         result = np.empty((len(wi), self.rows.shape[1]), dtype=np.float32)
         for start in range(0, len(wi), _CHUNK):
             at = slice(start, start + _CHUNK)
@@ -125,12 +125,19 @@ class GridComponents:
             result[at] = np.einsum("nkq,nk->nq", gathered, weight.astype(np.float32))
         return result
 
-    @cached_property
-    def _row_of(self) -> IntArray:
-        """Row of each flat cell; 0 for cells below the horizon, which nobody asks for."""
-        row_of = np.zeros(self.grid.size, dtype=np.int64)
-        row_of[self.grid.cells] = self.expand
-        return row_of
+
+@lru_cache(maxsize=8)
+def _row_of(grid: Grid, bilateral: bool) -> tuple[IntArray, IntArray]:
+    """Return (first row of each theta_h (h + 1,), row of each cell (h, d * phi)).
+
+    A cell below the horizon has the first row of its theta_h: there always is one, at theta_d 0.
+    """
+    cells, expand = stored_cells(grid, bilateral)
+    ring = grid.size // grid.n_theta_h
+    first = np.searchsorted(cells, np.arange(grid.n_theta_h + 1) * ring)
+    row_of = np.repeat(first[:-1], ring)
+    row_of[grid.cells] = expand
+    return frozen(first), frozen(row_of.reshape(-1, ring))
 
 
 def principal_basis(population: Population, progress: Progress = silent) -> PrincipalBasis:
