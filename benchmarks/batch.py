@@ -1,10 +1,10 @@
 """Very many items: speed, accuracy, memory, and what is left after being killed.
 
-    python benchmarks/batch.py --nbrdf ZIP [--parts speed,accuracy,memory,kills,dask] [-o RESULT]
+    python benchmarks/batch.py --nbrdf ZIP [--parts speed,memory,...] [-o RESULT]
 
 The patch is mixed from the third of every three decoded networks; the population is `embedded`,
 which has other fits of the same materials, or the networks of all other materials. Each part
-replaces its own figures in the result and leaves the others.
+replaces its own figures in the result and leaves the others; the part torch wants PyTorch.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,19 +26,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from batch_page import page
 from batch_patch import CHUNK, Patch, random_directions
+from batch_processes import blocks_of, content, done_of, killed, undisturbed, watched
 
-from brdfit.batch import open_batch, open_input, run_batch
+from brdfit.batch import open_input, run_batch
 from brdfit.batch.engine import Processes
 from brdfit.bench.ledger import figure, versions
-from brdfit.bench.markdown import Column, table
 from brdfit.files import atomic_path
 from brdfit.populations import Population, population
 from brdfit.reconstruct import Compact, Posterior
-from brdfit.reconstruct.compact import Block, CompactModel
+from brdfit.reconstruct.compact import Block, BlockResult, CompactModel, LeadingBasis
 from brdfit.samples import Samples
 
 Record = dict[str, object]
+Pairs = tuple[np.ndarray, np.ndarray]
 
 _KILLS, _AT_START = 20, 5
 
@@ -136,9 +137,7 @@ class Bench:
             method = Compact(population=materials)
             basis = method.basis()
             together = method.fit_block(Block.of(items), basis)
-            logs = np.stack(
-                [np.log(CompactModel(basis, z.T).evaluate(*at)) for z in together.coefficients]
-            )
+            logs = logs_of(together, basis, at)
             alone = np.stack([np.log(method.fit(item).evaluate(*at)) for item in items])
             published = Posterior(population=materials)
             slow = np.stack([np.log(published.fit(item).evaluate(*at)) for item in items])
@@ -185,6 +184,30 @@ class Bench:
         found["identical"] = content(self.folder / "killed.zarr") == content(
             self.folder / "dask2.zarr"
         )
+        return found
+
+    def torch(self) -> Record:
+        """Items a second of processor time with PyTorch's arrays, and how far from numpy's."""
+        import torch
+
+        torch.set_num_threads(1)
+        method, at = Compact(), random_directions(200, 5)
+        basis = method.basis()
+        shared = open_input(self.table(CHUNK)).part(0, CHUNK).block
+        own = Block.of(self.patch(CHUNK).scattered(CHUNK))
+        found: Record = {"version": str(torch.__version__), "items": CHUNK, "blocks": {}}
+        for name, block in (("directions shared", shared), ("directions of their own", own)):
+            rates, logs = {}, {}
+            for library, to in (("numpy", None), ("torch", torch.from_numpy)):
+                fits: list[BlockResult] = []
+                took = min(
+                    Took.by(lambda t=to, b=block, f=fits: f.append(method.fit_block(b, basis, t)))
+                    for _ in range(3)
+                )
+                rates[library] = took.rates(len(block))["a_core"]
+                logs[library] = logs_of(fits[-1], basis, at)
+            apart = np.abs(logs["torch"] - logs["numpy"]).max()
+            found["blocks"][name] = rates | {"most_apart": float(f"{apart:.2g}")}  # type: ignore[index]
         return found
 
     def kills(self) -> Record:
@@ -296,142 +319,16 @@ def loop(method: Compact | Posterior, items: list[Samples]) -> None:
         method.fit(item)
 
 
+def logs_of(fits: BlockResult, basis: LeadingBasis, at: Pairs) -> np.ndarray:
+    """Return ln f_r (items, n, c) of the fits of a block at directions."""
+    return np.stack([np.log(CompactModel(basis, z.T).evaluate(*at)) for z in fits.coefficients])
+
+
 def error(logs: np.ndarray, truth: np.ndarray) -> dict[str, float]:
     """Return mean and 90th percentile over items of the mean |delta ln f| where f > 0.001."""
     size = np.where(truth > 1e-3, np.abs(logs - np.log(np.maximum(truth, 1e-4))), np.nan)
     each = np.nanmean(size, axis=(1, 2))
     return {"mean": figure(float(each.mean())), "p90": figure(float(np.percentile(each, 90)))}
-
-
-def watched(process: subprocess.Popen[bytes]) -> int:
-    """Return the peak memory of a process and all below it, bytes, until it ends."""
-    peak, stop = [0], threading.Event()
-
-    def watch() -> None:
-        while not stop.wait(0.1):
-            peak[0] = max(peak[0], memory_of_tree(process.pid))
-
-    thread = threading.Thread(target=watch)
-    thread.start()
-    process.wait()
-    stop.set()
-    thread.join()
-    return peak[0]
-
-
-def memory_of_tree(pid: int) -> int:
-    """Return the proportional set size of a process and those below it, bytes."""
-    total = 0
-    try:
-        for line in Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines():
-            if line.startswith("Pss:"):
-                total += int(line.split()[1]) << 10
-        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    except OSError:
-        return total
-    return total + sum(memory_of_tree(int(child)) for child in children)
-
-
-def undisturbed(words: list[str], store: Path) -> tuple[float, float]:
-    """Return the seconds of a run, and those until its first block was written."""
-    started, first = time.perf_counter(), None
-    with subprocess.Popen(words, stdout=subprocess.DEVNULL) as process:
-        while process.poll() is None:
-            if first is None and blocks_of(store):
-                first = time.perf_counter() - started
-            time.sleep(0.01)
-    assert process.returncode == 0
-    assert first is not None
-    return time.perf_counter() - started, first
-
-
-def killed(words: list[str], store: Path, blocks: int, wait: float) -> None:
-    """Kill a run so many seconds after that many blocks of its store are written."""
-    with subprocess.Popen(words, stdout=subprocess.DEVNULL) as process:
-        while blocks_of(store) < blocks:
-            assert process.poll() is None, "the run ended before it could be killed"
-            time.sleep(0.005)
-        time.sleep(wait)
-        process.kill()
-    assert process.returncode == -signal.SIGKILL, "the run ended before it was killed"
-
-
-def blocks_of(store: Path) -> int:
-    """Return how many blocks of a store are marked as done."""
-    return sum(1 for _ in (store / "done" / "c").glob("[0-9]*"))
-
-
-def done_of(store: Path) -> int:
-    """Return how many items of a store are done; 0 where there is no store yet."""
-    return open_batch(store).done if store.exists() else 0
-
-
-def content(store: Path) -> dict[str, bytes]:
-    """Return path -> bytes of every file of a store."""
-    return {str(p.relative_to(store)): p.read_bytes() for p in store.rglob("*") if p.is_file()}
-
-
-def page(result: Record) -> str:
-    """Return the result as a page of tables."""
-    parts = result["parts"]
-    blocks = [
-        "# Very many items",
-        "Made by `python benchmarks/batch.py`. 64 RGB samples an item, a fifth of them wrong, on a "
-        "synthetic patch mixed from decoded networks; population `embedded`, default settings, "
-        f"{result['cores']} cores that other work may have shared.",
-    ]
-    if "speed" in parts:  # type: ignore[operator]
-        blocks += ["## Speed", _speed(parts["speed"])]  # type: ignore[index]
-    if "accuracy" in parts:  # type: ignore[operator]
-        blocks += ["## Accuracy", _accuracy(parts["accuracy"])]  # type: ignore[index]
-    for name, title in (("memory", "Memory"), ("kills", "Killed and continued"), ("dask", "Dask")):
-        if name in parts:  # type: ignore[operator]
-            rows = [[key, json.dumps(value)] for key, value in parts[name].items()]  # type: ignore[index]
-            blocks += [f"## {title}", table([Column("what"), Column("figure")], rows)]
-    return "\n\n".join(blocks) + "\n"
-
-
-def _speed(found: dict[str, Any]) -> str:
-    two = found["workers_2"]
-    rows = [
-        [
-            name,
-            f"{found[key]['a_second']:,.1f}",
-            f"{found[key]['a_core']:,.1f}",
-            f"{two['a_core'] / found[key]['a_core']:,.1f}",
-        ]
-        for name, key in (
-            (f"`run_batch`, two processes, {found['items']:,} items", "workers_2"),
-            (f"`run_batch`, one process, {found['items'] // 4:,} items", "workers_1"),
-            ("`Compact.fit_block`, directions shared", "core"),
-            ("`Compact.fit_block`, own directions", "core_own_directions"),
-            ("a loop of `Compact().fit`", "loop_of_single_fits"),
-            ("a loop of `Posterior().fit`", "loop_of_posterior"),
-        )
-    ]
-    note = (
-        f"Load of the machine when it began: {found['load']:.1f} on {os.cpu_count()} cores. *A "
-        "core*: items a second of processor time, all processes and their start included."
-    )
-    columns = [Column("who"), Column("a second", True), Column("a core", True)]
-    return table([*columns, Column("ratio", True)], rows) + "\n" + note
-
-
-def _accuracy(found: Record) -> str:
-    rows = []
-    for name in ("embedded", "other networks"):
-        of = found[name]
-        rows += [
-            [f"{name}: {label}", f"{of[key]['mean']:.4f}", f"{of[key]['p90']:.4f}"]  # type: ignore[index]
-            for label, key in (
-                ("many at once", "together"),
-                ("one by one", "one_by_one"),
-                ("`Posterior`", "posterior"),
-            )
-        ]
-        far = of["together_from_one_by_one"]  # type: ignore[index]
-        rows.append([f"{name}: at most between the first two", f"{far:g}", ""])
-    return table([Column("mean abs delta ln f"), Column("mean", True), Column("p90", True)], rows)
 
 
 if __name__ == "__main__":

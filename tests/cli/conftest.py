@@ -50,7 +50,7 @@ class _Constant:
         return np.tile(self.level, (len(wi), 1))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        return np.tile(self.level, (grid.cells.size, 1))
+        return grid.spread(np.tile(self.level, (grid.cells.size, 1)))
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         return None

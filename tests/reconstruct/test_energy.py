@@ -40,7 +40,7 @@ class Runaway:
         return f * (1.0 + self.growth * self._beyond(wi, wo)[:, None])
 
     def dense(self, grid, progress):
-        return self.evaluate(*grid.directions(grid.cells))
+        return grid.spread(self.evaluate(*grid.directions(grid.cells)))
 
     def stddev(self, wi, wo):
         if self.doubt is None:

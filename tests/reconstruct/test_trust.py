@@ -31,7 +31,7 @@ class States:
         return np.ones((len(wi), 1))
 
     def dense(self, grid, progress):
-        return np.ones((grid.cells.size, 1))
+        return grid.spread(np.ones((grid.cells.size, 1)))
 
     def stddev(self, wi, wo):
         return np.full((len(wi), 3), self.stated)

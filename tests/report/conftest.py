@@ -31,7 +31,7 @@ class Lobe:
         return colour / np.pi + 5.0 * np.exp(-((theta_h / 0.1) ** 2))[:, None]
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        return self.evaluate(*grid.directions(grid.cells))
+        return grid.spread(self.evaluate(*grid.directions(grid.cells)))
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         return None

@@ -113,7 +113,7 @@ class Bright:
         return self.inner.evaluate(wi, wo) * (1.0 + 5.0 * grazing)[:, None]
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        return self.evaluate(*grid.directions(grid.cells))
+        return grid.spread(self.evaluate(*grid.directions(grid.cells)))
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         return None

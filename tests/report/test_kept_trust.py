@@ -38,7 +38,7 @@ class Sure:
         return np.ones((len(wi), 3))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        return np.ones((grid.cells.size, 3))
+        return grid.spread(np.ones((grid.cells.size, 3)))
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         theta_h, _, _ = half_diff_from_directions(wi, wo)

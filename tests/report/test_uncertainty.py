@@ -29,7 +29,7 @@ class Unsure:
         return np.ones((len(wi), len(self.spread)))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        return np.ones((grid.cells.size, len(self.spread)))
+        return grid.spread(np.ones((grid.cells.size, len(self.spread))))
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         theta_h, _, _ = half_diff_from_directions(wi, wo)

@@ -40,7 +40,7 @@ class Lobe:
         return self.level + 2.0 * np.exp(-((theta_h / 0.15) ** 2))[:, None]
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        return self.evaluate(*grid.directions(grid.cells))
+        return grid.spread(self.evaluate(*grid.directions(grid.cells)))
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         return np.full((len(wi), self.level.size), 0.05)

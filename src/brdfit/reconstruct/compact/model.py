@@ -35,7 +35,7 @@ class CompactModel:
         return np.exp(np.clip(log, _LOWEST, _HIGHEST))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
-        """Return f_r (grid.cells.size, c), 1/sr, float32."""
+        """Return f_r (*grid.shape, c), 1/sr, float32; 0 below the horizon."""
         cells = grid.cells
         result = np.empty((cells.size, self.coefficients.shape[1]), dtype=np.float32)
         for start in range(0, cells.size, _CHUNK):
@@ -43,7 +43,7 @@ class CompactModel:
             at = cells[start : start + _CHUNK]
             result[start : start + _CHUNK] = self.evaluate(*grid.directions(at))
         progress(_LABEL, cells.size, cells.size)
-        return result
+        return grid.spread(result)
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.
