@@ -32,7 +32,7 @@ import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
 
-__all__ = ["Background", "Factors", "Mixture", "Verdict"]
+__all__ = ["Background", "Factors", "Mixture", "Verdict", "mean_known"]
 
 _LOG_TWO_PI = float(np.log(2.0 * np.pi))
 # Pseudo-counts of the share of outliers, Beta(a, b): 20 samples must not settle on 0 or 1.
@@ -143,7 +143,7 @@ class Mixture:
             np.where(any_known, total, 0.0),
             np.where(any_known, np.exp(factor - total), 0.0),
             square,
-            self._credit(square, variance),
+            self.credit(square, variance),
         )
 
     def _log_inlier(self, square: FloatArray, variance: FloatArray) -> FloatArray:
@@ -155,7 +155,8 @@ class Mixture:
         tail = 0.5 * (nu + 1.0) * np.log1p(square / (nu * variance))
         return np.asarray(constant - 0.5 * np.log(nu * np.pi * variance) - tail)
 
-    def _credit(self, square: FloatArray, variance: FloatArray) -> FloatArray:
+    def credit(self, square: FloatArray, variance: FloatArray) -> FloatArray:
+        """Return u (n,) of mean squared residuals at variance (n,), noise included."""
         nu = self.freedom
         if np.isinf(nu):
             return np.ones(len(square))

@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray, IntArray
+from brdfit.reconstruct.posterior.places import places
 from brdfit.reconstruct.targets import Targets
 from brdfit.samples import Samples
 
@@ -43,6 +44,7 @@ class Measurements:
     | `known`    | (n, c) | there is a value or a bound                                  |
     | `censored` | (n, c) | only a bound                                                 |
     | `scatter`  | (n,)   | variance of ln f_r besides s^2                               |
+    | `places`   | (n, p) | where samples scatter alike, `places`                        |
     """
 
     rows: IntArray
@@ -51,6 +53,7 @@ class Measurements:
     known: BoolArray
     censored: BoolArray
     scatter: FloatArray
+    places: FloatArray
 
     @classmethod
     def of(cls, samples: Samples, floor: float) -> Measurements:
@@ -67,7 +70,8 @@ class Measurements:
             stated = np.where(known & np.isfinite(samples.sigma[rows]), samples.sigma[rows], 0.0)
             relative = stated / np.maximum(np.exp(y), 1e-12)
             scatter += np.minimum((relative**2).sum(axis=1) / known.sum(axis=1), 100.0)
-        return cls(rows, place, y, known, censored, scatter)
+        where = places(samples.wi[rows], samples.wo[rows])
+        return cls(rows, place, y, known, censored, scatter, where)
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -93,6 +97,7 @@ class Measurements:
             self.known[index],
             self.censored[index],
             self.scatter[index],
+            self.places[index],
         )
 
     def channels(self, count: int) -> Measurements:

@@ -16,6 +16,7 @@ from brdfit.progress import Progress
 from brdfit.reconstruct.posterior.calibration import Calibration
 from brdfit.reconstruct.posterior.kernel import Angles
 from brdfit.reconstruct.posterior.nodes import ResidualOnGrid
+from brdfit.reconstruct.posterior.places import places
 from brdfit.reconstruct.posterior.principal import GridComponents, PrincipalBasis
 from brdfit.reconstruct.posterior.stages import Winner
 
@@ -65,16 +66,24 @@ class PosteriorModel:
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.
 
-        Of the BRDF itself: a measurement scatters by the noise of the fit besides. In units of
-        `calibration`.
+        Of the BRDF itself: a measurement scatters by the noise of the fit besides. Where good
+        samples are further from one another's predictions than elsewhere, so is the BRDF. In
+        units of `calibration`.
         """
         variance: list[FloatArray] = [np.empty(0)]
         for start in range(0, len(wi), _CHUNK):
             rows = slice(start, start + _CHUNK)
-            variance.append(self.winner.variance(*self._at(wi[rows], wo[rows])))
+            of_samples = self.winner.variance(*self._at(wi[rows], wo[rows]))
+            variance.append(of_samples + self._unexplained(wi[rows], wo[rows]))
         deviation = self.calibration.unit * np.sqrt(np.concatenate(variance))
         channels = self.winner.solution.local.shape[1]
         return np.repeat(deviation[:, None], channels, axis=1)
+
+    def _unexplained(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return s^2 (g - 1) (n,), at least 0: what is off beyond the noise of a typical place."""
+        belief = self.winner.explanation.belief
+        excess = belief.unevenness.factor(places(wi, wo)) - 1.0
+        return np.asarray(belief.width**2 * np.maximum(excess, 0.0))
 
     @property
     def noise(self) -> float:

@@ -5,18 +5,24 @@ Repeated until the responsibilities stay where they are:
     1.  w_i = r_i u_i / V_i                              V_i = s^2 + scatter_i
     2.  coefficients from rows of weight w               (`linalg.gaussian`, `linalg.kriging`)
     3.  what the *other* rows say of each row            mean_i, var_i
-    4.  r, u from the mixture at variance var_i + V_i    (`robust.mixture`)
-    5.  pi and s from r
+    4.  u from the mixture at variance var_i + V_i,
+        r at var_i + V_i + s^2 (g_i - 1)                 (`robust.mixture`)
+    5.  pi, s and g from r                               (`robust.unevenness`)
 
 A row is judged by the others: with a residual free enough to follow one sample, every sample
 agrees with itself. s never falls by more than half in a step, so that a good start is not
 lost to a moment's confidence, and is drawn toward `EXPECTED` by a few imagined samples.
+
+g says where everybody is further off than elsewhere: near grazing, in a narrow peak. That is
+seldom noise, most often a material that changes faster than its samples tell. So g excuses
+those who are off in such a place from being called wrong, and changes nothing in what they
+count for: they are all that is known there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -24,7 +30,7 @@ import numpy as np
 from brdfit.arrays import BoolArray, FloatArray, IntArray
 from brdfit.linalg import LeftOut
 from brdfit.reconstruct.posterior.measurements import Measurements
-from brdfit.robust import Mixture, Verdict
+from brdfit.robust import Mixture, Unevenness, mean_known
 
 __all__ = ["Belief", "Explanation", "Posterior", "refine"]
 
@@ -51,6 +57,8 @@ class Belief:
     mixture: Mixture
     credit: FloatArray
     """u (n,)."""
+    unevenness: Unevenness = field(default_factory=Unevenness)
+    """g, how much larger s^2 is in some places."""
 
     def take(self, index: IntArray) -> Belief:
         """Return what is believed of some of the rows."""
@@ -146,15 +154,19 @@ def _states(
         fitted = posterior.fitted(coefficients)
         left_out = posterior.left_out(y, fitted)
         known = data.informative(fitted + base[:, None])
-        spread = left_out.variance + variance
+        spread = left_out.variance + data.scatter
+        spread += belief.width**2 * belief.unevenness.factor(data.places)
         verdict = belief.mixture.judge(
             y + base[:, None], left_out.mean + base[:, None], spread, known
         )
+        size = mean_known((y - left_out.mean) ** 2, known) / spread * verdict.credit
+        believed = verdict.responsibility * known.any(axis=1)
         belief = Belief(
             verdict.responsibility,
-            _width(belief.width, verdict, y - left_out.mean, spread, known),
+            _width(belief.width, size, believed),
             belief.mixture.updated(data.y, verdict, known),
-            verdict.credit,
+            belief.mixture.credit(verdict.square, left_out.variance + variance),
+            belief.unevenness.updated(data.places, size, believed),
         )
         yield Explanation(
             coefficients,
@@ -169,14 +181,10 @@ def _states(
         )
 
 
-def _width(
-    width: float, verdict: Verdict, residual: FloatArray, spread: FloatArray, known: BoolArray
-) -> float:
+def _width(width: float, size: FloatArray, believed: FloatArray) -> float:
     """Return s for which left-out residuals are as large as they are said to be."""
-    count = np.maximum(known.sum(axis=1), 1)
-    size = np.where(known, residual**2, 0.0).sum(axis=1) / count / spread * verdict.credit
-    r = verdict.responsibility * known.any(axis=1)
-    too_large = float((r * size).sum() / max(r.sum(), 1e-9))
-    total = r.sum() * width**2 * np.clip(too_large, 0.25, 4.0) + _IMAGINED * EXPECTED**2
-    found = float(np.sqrt(total / (r.sum() + _IMAGINED)))
+    count = float(believed.sum())
+    too_large = float((believed * size).sum()) / max(count, 1e-9)
+    total = count * width**2 * np.clip(too_large, 0.25, 4.0) + _IMAGINED * EXPECTED**2
+    found = float(np.sqrt(total / (count + _IMAGINED)))
     return float(np.clip(found, max(_LEAST, 0.5 * width), _MOST))

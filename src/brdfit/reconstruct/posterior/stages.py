@@ -145,9 +145,9 @@ class Winner:
         belief = self.explanation.belief
         mean = self.mean(design.components, design.angles)
         spread = self.variance(design.components, design.angles)
-        spread += belief.width**2 + data.scatter
+        spread += belief.width**2 * belief.unevenness.factor(data.places) + data.scatter
         verdict = belief.mixture.judge(data.y, mean, spread, data.informative(mean))
-        return Belief(verdict.responsibility, belief.width, belief.mixture, verdict.credit)
+        return replace(belief, responsibility=verdict.responsibility, credit=verdict.credit)
 
 
 def explain(
@@ -180,17 +180,19 @@ def verdict_on(winner: Winner, data: Measurements, design: Design, search: Searc
     if len(many) == len(data):
         return Judged(explained.belief.responsibility, explained.mean)
     responsibility, mean = np.empty(len(data)), np.empty_like(data.y)
-    variance = float(np.median(explained.left_out.variance)) + explained.belief.width**2
+    belief = explained.belief
+    variance = float(np.median(explained.left_out.variance))
     for start in range(0, len(data), _CHUNK):
         rows = np.arange(start, min(start + _CHUNK, len(data)))
         part = data.take(rows)
         at = design.take(rows)
         mean[rows] = winner.mean(at.components, at.angles)
         known = part.informative(mean[rows])
-        mixture = explained.belief.mixture
-        verdict = mixture.judge(part.y, mean[rows], variance + part.scatter, known)
+        spread = variance + part.scatter
+        spread += belief.width**2 * belief.unevenness.factor(part.places)
+        verdict = belief.mixture.judge(part.y, mean[rows], spread, known)
         responsibility[rows] = verdict.responsibility
-    responsibility[many], mean[many] = explained.belief.responsibility, explained.mean
+    responsibility[many], mean[many] = belief.responsibility, explained.mean
     return Judged(responsibility, mean)
 
 
