@@ -5,6 +5,8 @@ from __future__ import annotations
 from brdfit.linalg.definite import inverse_by_halves, solved, sweep_if_compiled
 from brdfit.linalg.gaussian import CoefficientPosterior, LeftOut
 from brdfit.linalg.kriging import CovariancePosterior
+from brdfit.linalg.lattice import Lattice, node_positions
+from brdfit.linalg.neighbours import Kriged, Neighbours
 from brdfit.linalg.normal_equations import (
     NormalEquations,
     RidgeFit,
@@ -18,11 +20,15 @@ from brdfit.linalg.threads import one_thread
 __all__ = [
     "CoefficientPosterior",
     "CovariancePosterior",
+    "Kriged",
+    "Lattice",
     "LeftOut",
+    "Neighbours",
     "NormalEquations",
     "RidgeFit",
     "Triangle",
     "inverse_by_halves",
+    "node_positions",
     "nonnegative",
     "one_thread",
     "ridge",

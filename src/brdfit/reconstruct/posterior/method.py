@@ -13,6 +13,7 @@ from brdfit.progress import Progress, silent
 from brdfit.reconstruct.checks import check_above, check_count
 from brdfit.reconstruct.outcome import Outcome
 from brdfit.reconstruct.outliers import FEWEST
+from brdfit.reconstruct.posterior.detail import add_detail
 from brdfit.reconstruct.posterior.measurements import Measurements, targets_of
 from brdfit.reconstruct.posterior.model import PosteriorModel
 from brdfit.reconstruct.posterior.principal import (
@@ -54,9 +55,9 @@ class Posterior:
     def fit(self, samples: Samples, progress: Progress = silent) -> Reconstruction:
         """Return the reconstruction of `samples` (any number of channels).
 
-        Of more than 10,000 samples as many, evenly drawn, decide the result, and all are judged
-        by it. Raises `SampleError` where no sample is usable, `PopulationError` where the
-        population cannot be had.
+        Of more than 10,000 samples as many, evenly drawn, decide population and residual, and of
+        more than 100,000 as many the detail; all are judged by the result. Raises `SampleError`
+        where no sample is usable, `PopulationError` where the population cannot be had.
         """
         samples.require_usable()
         materials = population(self.population)
@@ -80,7 +81,9 @@ class Posterior:
         search = self.search()
         winner = explain(data, design, search, progress)
         judged = verdict_on(winner, data, design, search)
-        return self._result(samples, materials, data, PosteriorModel(basis, winner), judged)
+        belief = winner.explanation.belief
+        detail, judged = add_detail(data, judged, design.angles, belief, progress)
+        return self._result(samples, materials, data, PosteriorModel(basis, winner, detail), judged)
 
     def search(self) -> Search:
         """Return what the fit tries."""
@@ -131,8 +134,8 @@ def _outcome(usable: int, wrong: int, settled: bool) -> Outcome:
 
 def _figures(model: PosteriorModel) -> dict[str, float]:
     winner = model.winner
-    belief, kernel = winner.explanation.belief, winner.system.kernel
-    return {
+    belief, kernel = model.belief, winner.system.kernel
+    figures = {
         "noise": model.noise,
         "deviations_95": model.deviations(0.95),
         "outlier_share": belief.mixture.share,
@@ -141,3 +144,7 @@ def _figures(model: PosteriorModel) -> dict[str, float]:
         "residual_stretch": kernel.stretch,
         "left_out_log_likelihood": winner.explanation.score,
     }
+    if model.detail is not None:
+        figures["detail_amplitude"] = model.detail.amplitude
+        figures["detail_log_likelihood"] = model.detail.likelihood
+    return figures

@@ -14,10 +14,12 @@ from brdfit.grid import Grid
 from brdfit.linalg import one_thread
 from brdfit.progress import Progress
 from brdfit.reconstruct.posterior.calibration import Calibration
+from brdfit.reconstruct.posterior.detail import Detail
 from brdfit.reconstruct.posterior.kernel import Angles
 from brdfit.reconstruct.posterior.nodes import ResidualOnGrid
 from brdfit.reconstruct.posterior.places import places
 from brdfit.reconstruct.posterior.principal import GridComponents, PrincipalBasis
+from brdfit.reconstruct.posterior.refine import Belief
 from brdfit.reconstruct.posterior.stages import Winner
 
 __all__ = ["PosteriorModel"]
@@ -33,17 +35,20 @@ _LOWEST, _HIGHEST = -30.0, 30.0
 
 @dataclass(frozen=True, eq=False)
 class PosteriorModel:
-    """ln f_r = [mu | B] w + constant + local residual, and the covariance of its coefficients."""
+    """ln f_r = [mu | B] w + constant + local residual + detail, and how sure it is."""
 
     basis: PrincipalBasis
     winner: Winner
+    detail: Detail | None = None
 
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (n, c), 1/sr, at directions above the horizon."""
         parts: list[FloatArray] = [np.empty((0, self.winner.solution.local.shape[1]))]
         for start in range(0, len(wi), _CHUNK):
             rows = slice(start, start + _CHUNK)
-            parts.append(self.winner.mean(*self._at(wi[rows], wo[rows])))
+            components, angles = self._at(wi[rows], wo[rows])
+            part = self.winner.mean(components, angles)
+            parts.append(part if self.detail is None else part + self.detail.at(angles))
         return np.asarray(np.exp(np.clip(np.concatenate(parts), _LOWEST, _HIGHEST)))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
@@ -55,6 +60,7 @@ class PosteriorModel:
             combination.astype(np.float32),
             constant.astype(np.float32),
             ResidualOnGrid.of(system.kernel, grid, system.centres, solution.local),
+            None if self.detail is None else self.detail.on_grid(grid),
         )
         result = np.empty((*grid.shape, solution.local.shape[1]), dtype=np.float32)
         # numpy lets go of the interpreter in its loops: two threads keep two cores busy
@@ -73,8 +79,7 @@ class PosteriorModel:
         variance: list[FloatArray] = [np.empty(0)]
         for start in range(0, len(wi), _CHUNK):
             rows = slice(start, start + _CHUNK)
-            of_samples = self.winner.variance(*self._at(wi[rows], wo[rows]))
-            variance.append(of_samples + self._unexplained(wi[rows], wo[rows]))
+            variance.append(self._variance(wi[rows], wo[rows]))
         deviation = self.calibration.unit * np.sqrt(np.concatenate(variance))
         channels = self.winner.solution.local.shape[1]
         return np.repeat(deviation[:, None], channels, axis=1)
@@ -88,11 +93,20 @@ class PosteriorModel:
     @property
     def noise(self) -> float:
         """Standard deviation of ln f_r of a good sample."""
-        return self.calibration.unit * self.winner.explanation.belief.width
+        return self.calibration.unit * self.belief.width
+
+    @property
+    def belief(self) -> Belief:
+        """Of the samples that decided last: who is believed, and at which noise."""
+        return self.winner.explanation.belief if self.detail is None else self.detail.belief
 
     @cached_property
     def calibration(self) -> Calibration:
         """What the left-out samples say of the stated deviations."""
+        return self._of_smooth if self.detail is None else self.detail.calibration
+
+    @cached_property
+    def _of_smooth(self) -> Calibration:
         explained = self.winner.explanation
         belief = explained.belief
         return Calibration.of(explained.surprise, belief.responsibility, belief.mixture.freedom)
@@ -109,6 +123,14 @@ class PosteriorModel:
             parts.append(self.winner.prior_variance(self.basis.at(wi[rows], wo[rows])))
         return np.asarray(np.sqrt(np.concatenate(parts)))
 
+    def _variance(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
+        """Return that of ln f_r (n,), in units of `calibration`."""
+        components, angles = self._at(wi, wo)
+        found = self.winner.variance(components, angles) + self._unexplained(wi, wo)
+        if self.detail is None:
+            return found
+        return self.detail.variance(angles, found * self._of_smooth.unit**2)
+
     def _at(self, wi: FloatArray, wo: FloatArray) -> tuple[FloatArray, Angles]:
         return self.basis.at(wi, wo), half_diff_from_directions(wi, wo)
 
@@ -121,6 +143,8 @@ class _Parts:
     combination: FloatArray
     constant: FloatArray
     local: ResidualOnGrid
+    detail: FloatArray | None
+    """(h, d, phi, c), of ln f_r."""
 
     def fill(self, values: FloatArray, i: int) -> None:
         """Put f_r of theta_h[i] into values (d, phi, c)."""
@@ -130,6 +154,8 @@ class _Parts:
         cells = values.reshape(len(row_of), -1)
         np.take(logs, row_of, axis=0, out=cells, mode="clip")
         self.local.add_to(values, i)
+        if self.detail is not None:
+            values += self.detail[i]
         np.clip(values, _LOWEST, _HIGHEST, out=values)
         np.exp(values, out=values)
         # A cell as one thing: several times faster than its channels one by one.

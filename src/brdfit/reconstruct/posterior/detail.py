@@ -1,0 +1,154 @@
+"""Detail: what many samples say beyond the population and the smooth residual.
+
+    ln f_r(x) = m(x) + F(x) z + e(x) + q(x),     q ~ GP(0, a^2 kappa),   known by its neighbours
+
+A smooth residual on some thousand rows cannot hold what a hundred thousand say. What it leaves
+over, y - mean, is kriged from the nearest believed samples (`linalg.neighbours`), at the nodes
+of a lattice (`linalg.lattice`): from then on q is that lattice, for one direction and for a
+million alike. Nearness is a matter of a metric, one of a short list, in
+
+    (stretch sqrt(theta_h / (pi/2)),  theta_d / (pi/2),  r cos 2 phi_d,  r sin 2 phi_d)
+
+with r = around sin theta_d, or that times sin theta_h. `judging` finds metric, a, noise and who
+is believed; if samples are no more likely with detail than without, there is none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brdfit.arrays import FloatArray
+from brdfit.grid import Grid
+from brdfit.linalg import Lattice, node_positions
+from brdfit.progress import Progress, silent
+from brdfit.reconstruct.posterior.calibration import Calibration
+from brdfit.reconstruct.posterior.judging import Crossed, Rows, brought_to_rest
+from brdfit.reconstruct.posterior.kernel import Angles
+from brdfit.reconstruct.posterior.measurements import Measurements
+from brdfit.reconstruct.posterior.refine import Belief
+from brdfit.reconstruct.posterior.stages import Judged
+
+__all__ = ["FEWEST", "Detail", "add_detail"]
+
+FEWEST = 3000
+"""Samples below which there is no detail: the smooth residual is as free as they allow."""
+MOST = 100_000
+"""Samples, evenly drawn, that decide it; all others are judged by it."""
+# Nodes along sqrt(theta_h), theta_d and phi_d, and from how many samples on they are the finer.
+_COARSE, _FINE, _MANY = (64, 46, 24), (90, 64, 36), 30_000
+# Shares of the variance that are told apart.
+_SMALLEST = 1e-6
+_CHUNK = 65_536
+
+
+@dataclass(frozen=True, eq=False)
+class Detail:
+    """q on a lattice, and how sure it is."""
+
+    lattice: Lattice
+    """Channels: q, one a channel of the samples; ln v; ln of the local factor of variances."""
+    amplitude: float
+    """a, ln f_r."""
+    belief: Belief
+    """Of the rows that decided: who is believed, the noise s, and the mixture."""
+    calibration: Calibration
+    likelihood: float
+    """How much likelier a sample is than without, ln, mean."""
+
+    def at(self, angles: Angles) -> FloatArray:
+        """Return q (n, c) at (theta_h, theta_d, phi_d), each (n,), radians."""
+        return self.lattice.at(_positions(angles))[:, :-2]
+
+    def on_grid(self, grid: Grid) -> FloatArray:
+        """Return q (h, d, phi, c), float32, at the nodes of a grid."""
+        read = self.lattice.on_axes(*_unit(grid.theta_h, grid.theta_d, grid.phi_d))
+        return read[..., :-2]
+
+    def variance(self, angles: Angles, of_smooth: FloatArray) -> FloatArray:
+        """Return the variance of ln f_r (n,), from that of population and smooth residual.
+
+        Among samples that of the kriging; far from all of them that of the rest besides.
+        """
+        v, factor = self._certainty(angles)
+        return np.asarray(v * (factor * self.amplitude**2 + of_smooth))
+
+    def judge(self, data: Measurements, mean: FloatArray, angles: Angles) -> FloatArray:
+        """Return the responsibility (n,) of rows that had no say; `mean` (n, c) is said of them."""
+        v, factor = self._certainty(angles)
+        spread = factor * (v * self.amplitude**2 + self.belief.width**2) + data.scatter
+        known = data.informative(mean)
+        return self.belief.mixture.judge(data.y, mean, spread, known).responsibility
+
+    def _certainty(self, angles: Angles) -> tuple[FloatArray, FloatArray]:
+        """Return v and the local factor, each (n,)."""
+        logs = self.lattice.at(_positions(angles))[:, -2:]
+        v, factor = np.exp(logs).T
+        return np.minimum(v, 1.0), factor
+
+
+def add_detail(
+    data: Measurements,
+    judged: Judged,
+    angles: Angles,
+    belief: Belief,
+    progress: Progress = silent,
+) -> tuple[Detail | None, Judged]:
+    """Return the detail of `data` beyond `judged.mean`, or None, and what is made of all rows.
+
+    `belief` is the mixture and the noise of the stages before. Rows beyond `MOST` have no say.
+    """
+    if len(data) < FEWEST:
+        return None, judged
+    some = data.spread_out(MOST)
+    chosen = _taken(angles, some)
+    rows = Rows.of(data.take(some), judged.mean[some], chosen)
+    if rows.whole.sum() < FEWEST:
+        return None, judged
+    found = brought_to_rest(rows, belief, progress)
+    if found is None:
+        return None, judged
+    detail = _detail(rows, found)
+    return detail, _verdict(detail, data, judged, angles, some)
+
+
+def _detail(rows: Rows, found: Crossed) -> Detail:
+    shape = _FINE if len(found.pool) > _MANY else _COARSE
+    u, v, turn = node_positions(shape).T
+    nodes = (u**2 * (np.pi / 2), v * (np.pi / 2), turn * np.pi)
+    kriged = found.system.at(found.metric.places(nodes))
+    logs = np.log(np.maximum(kriged.variance, _SMALLEST)), np.log(found.factor_of(kriged))
+    values = np.column_stack([kriged.mean, *logs]).reshape(*shape, -1)
+    belief = found.belief
+    calibration = Calibration.of(
+        found.surprise(rows), belief.responsibility, belief.mixture.freedom
+    )
+    return Detail(Lattice.through(values), found.amplitude, belief, calibration, found.gain)
+
+
+def _verdict(
+    detail: Detail, data: Measurements, judged: Judged, angles: Angles, some: np.ndarray
+) -> Judged:
+    responsibility, mean = np.empty(len(data)), np.empty_like(judged.mean)
+    for start in range(0, len(data), _CHUNK):
+        rows = np.arange(start, min(start + _CHUNK, len(data)))
+        at = _taken(angles, rows)
+        mean[rows] = judged.mean[rows] + detail.at(at)
+        responsibility[rows] = detail.judge(data.take(rows), mean[rows], at)
+    responsibility[some] = detail.belief.responsibility
+    return Judged(responsibility, mean)
+
+
+def _taken(angles: Angles, rows: np.ndarray) -> Angles:
+    theta_h, theta_d, phi_d = angles
+    return theta_h[rows], theta_d[rows], phi_d[rows]
+
+
+def _positions(angles: Angles) -> FloatArray:
+    return np.stack(_unit(*angles), axis=1)
+
+
+def _unit(theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray) -> Angles:
+    """Return where angles are in the box of the lattice."""
+    return np.sqrt(theta_h / (np.pi / 2)), theta_d / (np.pi / 2), phi_d / np.pi
