@@ -1,4 +1,4 @@
-"""Small least-squares problems: normal equations, Gaussian coefficients. Knows nothing of BRDFs."""
+"""Least squares, Gaussian coefficients, kriging, splines on a lattice. Knows nothing of BRDFs."""
 
 from __future__ import annotations
 

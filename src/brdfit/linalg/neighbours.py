@@ -47,7 +47,7 @@ class Neighbours:
     nugget: FloatArray
     reach: float
     count: int
-    """k, or all rows, if there are fewer."""
+    """k, or all other rows, if there are fewer."""
     tree: Any
     """Of the places."""
 
@@ -83,7 +83,7 @@ class Neighbours:
 
         with ThreadPoolExecutor(_THREADS) as pool:
             parts = list(pool.map(part, starts))
-        k = min(self.count, len(self))
+        k = min(self.count, len(self) - (own is not None))
         nothing = (
             np.empty((0, self.values.shape[1])),
             np.empty(0),

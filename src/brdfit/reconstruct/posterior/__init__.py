@@ -1,11 +1,11 @@
 """`Posterior`: a Gaussian process on ln f_r whose prior is a population and a local residual.
 
-    ln f_r(x) = mu(x) + B(x) (m + G z) + tau z_0 + e(x),     z ~ N(0, I),     e ~ GP(0, k)
+    ln f_r(x) = mu(x) + B(x) (m + G z) + tau z_0 + e(x) + q(x),     z ~ N(0, I),     e ~ GP(0, k)
 
 `principal` and `prior` say what a population of materials has in common, `kernel` lets a
 material leave it where the data insist, `systems` make one linear system of both, `stages` and
-`refine` find who is to be believed, `calibration` how far to trust what is stated. A direction
-pair and its reciprocal are one place, and f_r is an exponential: reciprocity and positivity hold
+`refine` find who is to be believed, `detail` and `judging` what many samples say beyond that (q),
+`calibration` how far to trust what is stated. A direction pair and its reciprocal are one place, and f_r is an exponential: reciprocity and positivity hold
 by construction.
 """
 

@@ -109,11 +109,12 @@ def add_detail(
     found = brought_to_rest(rows, belief, progress)
     if found is None:
         return None, judged
-    detail = _detail(rows, found)
+    detail = _detail(rows, found, judged.responsibility[some])
     return detail, _verdict(detail, data, judged, angles, some)
 
 
-def _detail(rows: Rows, found: Crossed) -> Detail:
+def _detail(rows: Rows, found: Crossed, before: FloatArray) -> Detail:
+    """Put q on a lattice; `before` (n,) is who was believed by the stages before."""
     shape = _FINE if len(found.pool) > _MANY else _COARSE
     u, v, turn = node_positions(shape).T
     nodes = (u**2 * (np.pi / 2), v * (np.pi / 2), turn * np.pi)
@@ -121,9 +122,8 @@ def _detail(rows: Rows, found: Crossed) -> Detail:
     logs = np.log(np.maximum(kriged.variance, _SMALLEST)), np.log(found.factor_of(kriged))
     values = np.column_stack([kriged.mean, *logs]).reshape(*shape, -1)
     belief = found.belief
-    calibration = Calibration.of(
-        found.surprise(rows), belief.responsibility, belief.mixture.freedom
-    )
+    believed = np.maximum(belief.responsibility, before)
+    calibration = Calibration.of(found.surprise(rows), believed, belief.mixture.freedom)
     return Detail(Lattice.through(values), found.amplitude, belief, calibration, found.gain)
 
 
@@ -137,7 +137,9 @@ def _verdict(
         mean[rows] = judged.mean[rows] + detail.at(at)
         responsibility[rows] = detail.judge(data.take(rows), mean[rows], at)
     responsibility[some] = detail.belief.responsibility
-    return Judged(responsibility, mean)
+    # Whom population and smooth residual believe is not called wrong: of flakes that are seen
+    # one by one neighbours are a poor witness.
+    return Judged(np.maximum(responsibility, judged.responsibility), mean)
 
 
 def _taken(angles: Angles, rows: np.ndarray) -> Angles:

@@ -27,7 +27,6 @@ from brdfit.progress import Progress, silent
 from brdfit.reconstruct.posterior.kernel import Angles
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.refine import Belief
-from brdfit.robust import Mixture
 
 __all__ = ["Crossed", "Metric", "Rows", "brought_to_rest"]
 
@@ -35,7 +34,7 @@ _LABEL = "detail"
 _COUNT = 24
 _REACH = 0.1
 """Of the kriging, in units of the metric: detail ends a few of these from the last sample."""
-_ROUNDS = 12
+_ROUNDS = 10
 # Rows that metrics and ratios are compared on.
 _COMPARED = 2000
 _RATIOS = (1e-4, 1e-3, 1e-2, 1e-1, 1.0)
@@ -43,11 +42,12 @@ _FIRST_RATIO = 0.1
 # Rows with less responsibility are nobody's neighbour.
 _HEARD = 0.2
 # Mean change of a responsibility at which nothing is left to do.
-_STILL = 1e-3
+_STILL = 2e-3
 _LEAST, _EXPECTED = 3e-4, 0.01
 # Imagined neighbours whose variances are as stated, and how large one may count.
 _IMAGINED, _FURTHEST = 4.0, 30.0
-_PLAIN_ROUNDS = 4
+# Rounds in which noise is fitted to what the stages before say, on which detail must improve.
+_FITTING = 6
 
 
 @dataclass(frozen=True)
@@ -117,46 +117,61 @@ class Rows:
 
 
 @dataclass(frozen=True, eq=False)
+class Weighed:
+    """What the mixture makes of a prediction: who is believed, and how far off the rest is."""
+
+    belief: Belief
+    scale: float
+    """Of the variances that were stated, a^2."""
+    size: FloatArray
+    """(of the pool,): squares over the variance that was stated for them, times credit."""
+    spread: FloatArray
+    """Variance of every row (n,), noise and local factor included."""
+    log_likelihood: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Crossed:
     """What near rows say of every row, and who is then believed."""
 
     metric: Metric
     ratio: float
     """s^2 / a^2."""
-    belief: Belief
     pool: IntArray
     system: Neighbours
     kriged: Kriged
-    size: FloatArray
-    """(of the pool,): squares over the variance that was stated for them, times credit."""
-    spread: FloatArray
-    log_likelihood: FloatArray
+    weighed: Weighed
     gain: float = 0.0
     """ln likelihood of a sample over that without detail, mean."""
 
     @property
+    def belief(self) -> Belief:
+        """Who is believed, and s."""
+        return replace(self.weighed.belief, width=self.amplitude * float(np.sqrt(self.ratio)))
+
+    @property
     def amplitude(self) -> float:
         """How far detail goes, a, ln f_r."""
-        return self.belief.width / float(np.sqrt(self.ratio))
+        return float(np.sqrt(self.weighed.scale))
 
     def factor_of(self, kriged: Kriged) -> FloatArray:
         """Return g (m,) where `kriged` is."""
-        weight = self.belief.responsibility[self.pool]
-        return _factor(weight, self.size, kriged.neighbours)
+        weight = self.weighed.belief.responsibility[self.pool]
+        return _factor(weight, self.weighed.size, kriged.neighbours)
 
     def surprise(self, rows: Rows) -> FloatArray:
         """Return z^2 (n, c), NaN unknown."""
         prediction = rows.mean + self.kriged.mean
         known = rows.data.informative(prediction)
-        squares = (rows.left_over - self.kriged.mean) ** 2 / self.spread[:, None]
+        squares = (rows.left_over - self.kriged.mean) ** 2 / self.weighed.spread[:, None]
         return np.where(known, squares, np.nan)
 
 
 def brought_to_rest(rows: Rows, belief: Belief, progress: Progress = silent) -> Crossed | None:
     """Return the explanation of `rows` by near rows, or None if they are as likely without."""
-    width = max(belief.width, _EXPECTED)
-    belief = _at_first(rows, width, belief.mixture)
-    metric, ratio, scale = _METRICS[0], _FIRST_RATIO, width**2 / _FIRST_RATIO
+    first = _at_first(rows, replace(belief, width=max(belief.width, _EXPECTED)))
+    belief = first
+    metric, ratio, scale = _METRICS[0], _FIRST_RATIO, first.width**2 / _FIRST_RATIO
     last: Crossed | None = None
     for step in range(_ROUNDS):
         progress(_LABEL, step, _ROUNDS)
@@ -164,21 +179,22 @@ def brought_to_rest(rows: Rows, belief: Belief, progress: Progress = silent) -> 
         scale = max(float(np.clip(found, 0.25 * scale, 4.0 * scale)), _LEAST**2 / ratio)
         last = _crossed(rows, belief, metric, ratio, scale)
         change = last.belief.responsibility - belief.responsibility
-        belief = last.belief
+        belief, scale = last.belief, last.weighed.scale
         if float(np.abs(change).mean()) < _STILL:
             break
     progress(_LABEL, _ROUNDS, _ROUNDS)
     assert last is not None
-    gain = float((last.log_likelihood - _without(rows, last, width)).mean())
+    gain = float((last.weighed.log_likelihood - _without(rows, last, first)).mean())
     return replace(last, gain=gain) if gain > 0.0 else None
 
 
-def _at_first(rows: Rows, width: float, mixture: Mixture) -> Belief:
+def _at_first(rows: Rows, belief: Belief) -> Belief:
     """Judge by the stages before, at twice their noise."""
-    known = rows.data.informative(rows.mean)
-    spread = (2.0 * width) ** 2 + rows.data.scatter
-    verdict = mixture.judge(rows.data.y, rows.mean, spread, known)
-    return Belief(verdict.responsibility, width, mixture, verdict.credit)
+    data = rows.data
+    known = data.informative(rows.mean)
+    spread = (2.0 * belief.width) ** 2 * belief.unevenness.factor(data.places) + data.scatter
+    verdict = belief.mixture.judge(data.y, rows.mean, spread, known)
+    return Belief(verdict.responsibility, belief.width, belief.mixture, verdict.credit)
 
 
 def _system(rows: Rows, pool: IntArray, metric: Metric, nugget: FloatArray) -> Neighbours:
@@ -246,23 +262,41 @@ def _credit(size: FloatArray, nu: float) -> FloatArray:
 
 
 def _crossed(rows: Rows, belief: Belief, metric: Metric, ratio: float, scale: float) -> Crossed:
-    data, pool = rows.data, rows.pool(belief)
-    nugget = _nugget(rows, belief, pool, ratio, scale)
-    system = _system(rows, pool, metric, nugget)
+    pool = rows.pool(belief)
+    system = _system(rows, pool, metric, _nugget(rows, belief, pool, ratio, scale))
     kriged = system.at(metric.places(rows.angles), _own(len(rows), pool))
+    shape = kriged.variance + ratio
+    found = _weighed(rows, belief, pool, kriged, shape, scale, _LEAST**2 / ratio)
+    return Crossed(metric, ratio, pool, system, kriged, found)
+
+
+def _weighed(
+    rows: Rows,
+    belief: Belief,
+    pool: IntArray,
+    kriged: Kriged,
+    shape: FloatArray,
+    scale: float,
+    least: float,
+) -> Weighed:
+    """Judge what is kriged, of variances scale * shape (n,); the scale is made to fit."""
+    data = rows.data
     prediction = rows.mean + kriged.mean
     known = data.informative(prediction)
-    plain = scale * (kriged.variance + ratio)
-    square = ((rows.left_over - kriged.mean) ** 2).mean(axis=1)[pool]
-    relative = square / (plain + data.scatter)[pool]
-    size = np.minimum(_credit(relative, belief.mixture.freedom) * relative, _FURTHEST)
+    square = ((rows.left_over - kriged.mean) ** 2).mean(axis=1)
+    nu = belief.mixture.freedom
+    relative = square / (scale * shape + data.scatter)
+    heard = belief.responsibility * rows.whole
+    size = _credit(relative, nu) * relative
+    fits = float(np.clip(heard @ size / max(float(heard.sum()), 1e-9), 0.25, 4.0))
+    scale = max(scale * fits, least)
+    size = np.minimum(size / fits, _FURTHEST)[pool]
     factor = _factor(belief.responsibility[pool], size, kriged.neighbours)
-    spread = factor * plain + data.scatter
+    spread = factor * (scale * shape) + data.scatter
     verdict = belief.mixture.judge(data.y, prediction, spread, known)
     mixture = belief.mixture.updated(data.y, verdict, known)
-    width = float(np.sqrt(scale * ratio))
-    found = Belief(verdict.responsibility, width, mixture, verdict.credit)
-    return Crossed(metric, ratio, found, pool, system, kriged, size, spread, verdict.log_likelihood)
+    belief = Belief(verdict.responsibility, belief.width, mixture, verdict.credit)
+    return Weighed(belief, scale, size, spread, verdict.log_likelihood)
 
 
 def _factor(weight: FloatArray, size: FloatArray, neighbours: IntArray) -> FloatArray:
@@ -271,27 +305,16 @@ def _factor(weight: FloatArray, size: FloatArray, neighbours: IntArray) -> Float
     return np.asarray(of_size / (weight[neighbours].sum(axis=1) + _IMAGINED))
 
 
-def _without(rows: Rows, last: Crossed, width: float) -> FloatArray:
+def _without(rows: Rows, last: Crossed, first: Belief) -> FloatArray:
     """Return ln likelihood of every row by the stages before, on the same terms.
 
     Some of the rows decided what those say: they look likelier than rows that are left out.
     """
-    data, belief = rows.data, _at_first(rows, width, last.belief.mixture)
-    known = data.informative(rows.mean)
-    square = (rows.left_over**2).mean(axis=1)
-    scale = width**2
-    result: FloatArray = np.zeros(len(rows))
-    for _ in range(_PLAIN_ROUNDS):
-        relative = square / (scale + data.scatter)
-        credit = _credit(relative, belief.mixture.freedom)
-        heard = belief.responsibility * rows.whole
-        scale *= float(heard @ (credit * relative)) / max(float(heard.sum()), 1e-9)
-        scale = max(scale, _LEAST**2)
-        size = np.minimum(credit * relative, _FURTHEST)[last.pool]
-        factor = _factor(belief.responsibility[last.pool], size, last.kriged.neighbours)
-        spread = factor * scale + data.scatter
-        verdict = belief.mixture.judge(data.y, rows.mean, spread, known)
-        mixture = belief.mixture.updated(data.y, verdict, known)
-        belief = Belief(verdict.responsibility, belief.width, mixture, verdict.credit)
-        result = verdict.log_likelihood
-    return result
+    nothing = replace(last.kriged, mean=np.zeros_like(last.kriged.mean))
+    before = replace(first, mixture=last.belief.mixture)
+    shape = np.ones(len(rows))
+    scale = first.width**2
+    for _ in range(_FITTING):
+        found = _weighed(rows, before, last.pool, nothing, shape, scale, _LEAST**2)
+        before, scale = found.belief, found.scale
+    return found.log_likelihood
