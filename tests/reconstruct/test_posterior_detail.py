@@ -160,7 +160,7 @@ def test_a_fit_with_detail_says_the_same_everywhere(toy, measure, eager):
     result = toy_fit(toy, samples)
     assert result.model.detail is not None
     grid = Grid(30, 20, 24)
-    dense = result.model.dense(grid, silent)
+    dense = result.model.dense(grid, silent).reshape(grid.size, -1)[grid.cells]
     at = grid.directions(grid.cells)
     assert np.abs(np.log(dense) - np.log(result.evaluate(*at))).max() < 2e-3
     swapped = result.evaluate(at[1], at[0])
