@@ -136,6 +136,23 @@ class Grid:
         k_near = np.rint(k).astype(np.int64) % self.n_phi_d
         return np.asarray((i_near * self.n_theta_d + j_near) * self.n_phi_d + k_near)
 
+    def linear(self, other: Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return what carries values at the nodes to those of another grid, along each axis.
+
+        Matrices (nodes of the other, nodes) of the interpolation that `corners` describes,
+        which is their product.
+        """
+        i, j, k = self.position(other.theta_h, other.theta_d, other.phi_d)
+        k0 = np.floor(k).astype(np.int64)
+        axes = (_split(i, self.n_theta_h), _split(j, self.n_theta_d), (k0, k - k0))
+        found = []
+        for size, (low, share) in zip(self.shape, axes, strict=True):
+            matrix, at = np.zeros((len(low), size)), np.arange(len(low))
+            matrix[at, low % size] = 1.0 - share
+            matrix[at, (low + 1) % size] += share
+            found.append(matrix)
+        return found[0], found[1], found[2]
+
     def corners(
         self, theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray
     ) -> tuple[IntArray, FloatArray]:

@@ -57,6 +57,16 @@ def test_values_are_spread_to_their_cells_and_nothing_is_below_the_horizon(grid:
     assert not spread[~grid.above_horizon].any()
 
 
+@given(sizes, sizes)
+def test_interpolation_to_another_grid_is_a_product_of_three_matrices(
+    grid: Grid, other: Grid
+) -> None:
+    values = np.random.default_rng(3).normal(size=grid.shape)
+    expected = interpolated(grid, values, other.half_diff(np.arange(other.size)))
+    found = np.einsum("ia,jb,kc,abc->ijk", *grid.linear(other), values)
+    np.testing.assert_allclose(found.ravel(), expected, atol=1e-9)
+
+
 @given(sizes, points)
 def test_weights_are_a_partition_of_one(grid: Grid, point: tuple[float, float, float]) -> None:
     index, weight = grid.corners(*point)

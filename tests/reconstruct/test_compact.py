@@ -7,11 +7,13 @@ import dataclasses
 import numpy as np
 import pytest
 
+from brdfit.grid import MERL_GRID, Grid
 from brdfit.linalg import CoefficientPosterior
 from brdfit.populations import VALUE_FLOOR
 from brdfit.reconstruct import Compact, Outcome
 from brdfit.reconstruct.compact import Block, CompactModel
 from brdfit.reconstruct.compact.block import problems
+from brdfit.reconstruct.compact.corners import Carriage, Corners, interpolated
 from brdfit.reconstruct.compact.solve import Search, solve
 from brdfit.samples import Samples
 
@@ -115,6 +117,34 @@ def test_an_item_that_cannot_be_fitted_says_why_and_the_rest_go_on(method, basis
 def test_items_of_other_channels_are_refused_by_name(measure):
     with pytest.raises(ValueError, match="channels"):
         Block.of([measure(n=20), measure(n=20, bands=4)])
+
+
+# --- on a grid ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("grid", [Grid(90, 20, 24), Grid(17, 13, 9), MERL_GRID])
+def test_every_cell_of_the_table_is_the_reconstruction_there(grid, method, measure):
+    result = method.fit(measure(n=64))
+    values = result.table(grid).values
+    assert values.dtype == np.float32
+    assert not values[~grid.above_horizon].any()
+    cells = np.random.default_rng(2).permutation(grid.cells)[:4000]
+    found = np.log(values.reshape(grid.size, -1)[cells])
+    assert np.abs(found - np.log(result.evaluate(*grid.directions(cells)))).max() < 1e-5
+
+
+def test_where_hardly_a_corner_is_above_the_horizon_the_nearest_answers():
+    # an odd number of azimuths: none at 90 degrees, where directions go the lowest
+    grid, other = Grid(9, 4, 3), Grid(40, 41, 42)
+    table = np.random.default_rng(1).normal(size=(grid.cells.size, 6)).astype(np.float32)
+    put = Carriage.between(grid, other).of(table, np.arange(6.0))
+    found = np.empty((*other.shape, 6), dtype=np.float32)
+    for i, values in enumerate(found):
+        put(values, i)
+    corners = Corners.of(grid).at(*other.half_diff(other.cells))
+    expected = interpolated(table, *corners) + np.arange(6.0)
+    assert len(Carriage.between(grid, other).odd) > 0
+    assert np.allclose(found.reshape(other.size, -1)[other.cells], expected, atol=1e-5)
 
 
 # --- any array library ---------------------------------------------------------------------

@@ -7,8 +7,9 @@ import pytest
 
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.reconstruct.posterior.kernel import Kernel
-from brdfit.reconstruct.posterior.nodes import ResidualOnGrid
+from brdfit.reconstruct.posterior.nodes import residual_on_grid
 from brdfit.reconstruct.posterior.stages import Search
+from brdfit.reconstruct.slabs import add_channels
 
 
 @pytest.fixture
@@ -43,10 +44,10 @@ def test_reciprocal_pairs_are_one_and_azimuth_has_no_say_at_the_poles(angles):
 
 def on_grid(kernel, grid, centres, alpha):
     """Return the sum at all cells (size, c)."""
-    summed = ResidualOnGrid.of(kernel, grid, centres, alpha)
+    carried = residual_on_grid(kernel, grid, centres, alpha)
     dense = np.zeros((*grid.shape, alpha.shape[1]), dtype=np.float32)
     for i, logs in enumerate(dense):
-        summed.add_to(logs, i)
+        add_channels(logs, carried.at(i))
     return dense.reshape(grid.size, -1)
 
 

@@ -15,6 +15,7 @@ from brdfit.linalg.normal_equations import (
     ridge_with_intercept,
 )
 from brdfit.linalg.packed import Triangle
+from brdfit.linalg.thin import thin_product
 from brdfit.linalg.threads import one_thread
 
 __all__ = [
@@ -35,4 +36,5 @@ __all__ = [
     "ridge_with_intercept",
     "solved",
     "sweep_if_compiled",
+    "thin_product",
 ]

@@ -7,6 +7,7 @@ into that: a fit of 2.4 s took 16 to 24 s with two threads on two busy cores.
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,14 +23,19 @@ class _Limit:
         self._lock = threading.Lock()
         self._inside = 0
         self._limits: Any = None
+        self._controller: Any = None
+        self._modules = 0
 
     def enter(self) -> None:
-        from threadpoolctl import threadpool_limits
+        from threadpoolctl import ThreadpoolController
 
         with self._lock:
             self._inside += 1
             if self._inside == 1:
-                self._limits = threadpool_limits(limits=1, user_api="blas")
+                # To look for the libraries takes milliseconds; new ones come with modules.
+                if len(sys.modules) != self._modules:
+                    self._controller, self._modules = ThreadpoolController(), len(sys.modules)
+                self._limits = self._controller.limit(limits=1, user_api="blas")
 
     def leave(self) -> None:
         with self._lock:

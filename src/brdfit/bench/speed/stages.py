@@ -120,6 +120,19 @@ def _dense(job: Job, samples: Samples) -> Prepared:
     return Prepared(lambda: result.table(grid), floor, told={"samples": len(samples)})
 
 
+def _dense_compact(job: Job) -> Prepared:
+    grid, samples = job.sizes.grid, job.items(shared=True)[0]
+    method = Compact(population=job.others)
+    result, rows = method.fit(samples), method.basis().rows
+    channels = samples.n_channels
+    floor = Floor(
+        rows.nbytes + _FLOAT * grid.size * channels,
+        single=2.0 * rows.size * channels,
+        why="the components where they are kept, the table, one product",
+    )
+    return Prepared(lambda: result.table(grid), floor, told={"samples": len(samples)})
+
+
 def _preview(job: Job) -> Prepared:
     table, sphere, light = (
         job.table(job.sizes.grid),
@@ -227,6 +240,7 @@ _LIST = (
         "table from a finished spectral fit, `Posterior`",
         lambda job: _dense(job, job.spectral()),
     ),
+    Stage("dense_compact", "table from a finished RGB fit, `Compact`", _dense_compact),
     Stage("preview", "shade a sphere of 256 pixels, as `brdfit render`", _preview),
     Stage(
         "write_binary", "write a table as .binary", lambda job: _write(job, ".binary", MERL_GRID)

@@ -16,7 +16,7 @@ and for a million alike, which is what makes their answers the same.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -25,15 +25,16 @@ import numpy as np
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import MERL_GRID, Grid
+from brdfit.linalg import thin_product
 from brdfit.populations import Population, remember
 from brdfit.populations.store import stored_cells
 from brdfit.progress import Progress, silent
+from brdfit.reconstruct.compact.corners import Carriage, Corners, interpolated
 from brdfit.reconstruct.compact.residual import LocalResidual, Scale
 from brdfit.reconstruct.correction_basis import training_cells
 from brdfit.reconstruct.members import MemberRows
 from brdfit.reconstruct.posterior.prior import BRIGHTNESS
 from brdfit.reconstruct.result import population_record
-from brdfit.table import Table
 
 __all__ = ["LeadingBasis", "leading_basis"]
 
@@ -43,8 +44,6 @@ _VERSION = 2
 _GRID = Grid(90, 45, 36)
 _RESIDUAL = Scale(0.2, 0.3, 600)
 _CHUNK = 8192
-# Directions whose corners are gathered at once: what is gathered stays in the processor's cache.
-_GATHERED = 256
 _LABEL = "leading components"
 
 
@@ -70,24 +69,28 @@ class LeadingBasis:
         """
         result = np.empty((len(wi), self.size))
         for at, index, weight in self._corners(wi, wo):
-            result[at] = _interpolated(self.rows, index, weight)
+            result[at] = interpolated(self.rows, index, weight)
         mean = result[:, 0].copy()
         result[:, 0] = BRIGHTNESS
         return mean, result
 
     def log_value(self, coefficients: FloatArray, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return ln f_r (n, c) of coefficients (1 + k, c): the table first, then the corners."""
-        table = self._combined(coefficients)
+        combined, brightness = self._combined(coefficients)
+        table = combined.astype(np.float64) + brightness
         result = np.empty((len(wi), coefficients.shape[1]))
         for at, index, weight in self._corners(wi, wo):
-            result[at] = _interpolated(table, index, weight)
+            result[at] = interpolated(table, index, weight)
         return result
 
-    def _combined(self, coefficients: FloatArray) -> FloatArray:
-        weights = np.vstack([np.zeros((1, coefficients.shape[1])), coefficients[1:]])
-        table = self.rows @ weights.astype(np.float32)
-        table += self.rows[:, :1] + (BRIGHTNESS * coefficients[0]).astype(np.float32)
-        return np.asarray(table, dtype=np.float64)
+    def on_grid(self, coefficients: FloatArray, grid: Grid) -> Callable[[FloatArray, int], None]:
+        """Return what puts ln f_r of theta_h[i] of a grid into logs (d, phi, c)."""
+        return Carriage.between(self.grid, grid).of(*self._combined(coefficients))
+
+    def _combined(self, coefficients: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return (mean + phi z without its brightness (m, c), float32, brightness (c,))."""
+        weights = np.vstack([np.ones((1, coefficients.shape[1])), coefficients[1:]])
+        return thin_product(self.rows, weights.astype(np.float32)), BRIGHTNESS * coefficients[0]
 
     def _corners(
         self, wi: FloatArray, wo: FloatArray
@@ -95,9 +98,7 @@ class LeadingBasis:
         """Yield (which directions, rows (n, 8), weights (n, 8)) of trilinear interpolation."""
         for start in range(0, len(wi), _CHUNK):
             at = slice(start, start + _CHUNK)
-            corners = self.grid.corners(*half_diff_from_directions(wi[at], wo[at]))
-            index, weight = self._blank.valid_corners(*corners)
-            yield at, self._row_of[index], weight.astype(np.float32)
+            yield at, *Corners.of(self.grid).at(*half_diff_from_directions(wi[at], wo[at]))
 
     @cached_property
     def spread(self) -> FloatArray:
@@ -111,31 +112,10 @@ class LeadingBasis:
             total += phi.T @ (share[at, None] * phi)
         return total
 
-    @cached_property
-    def _blank(self) -> Table:
-        """An empty table, which knows the cells that exist."""
-        return Table(values=np.zeros((*self.grid.shape, 1), dtype=np.float32), grid=self.grid)
-
-    @cached_property
-    def _row_of(self) -> IntArray:
-        """Row of each flat cell; 0 for cells below the horizon, which nobody asks for."""
-        row_of = np.zeros(self.grid.size, dtype=np.int64)
-        row_of[self.grid.cells] = np.arange(self.grid.cells.size)
-        return row_of
-
     def __getstate__(self) -> dict[str, object]:
         """Leave what is worked out again out of what travels to a worker."""
         kept = ("rows", "grid", "population")
         return {name: self.__dict__[name] for name in kept}
-
-
-def _interpolated(rows: FloatArray, index: IntArray, weight: FloatArray) -> FloatArray:
-    """Return sums (n, q) of rows (m, q) at index (n, 8), with weights (n, 8)."""
-    result = np.empty((len(index), rows.shape[1]), np.result_type(rows, weight))
-    for start in range(0, len(index), _GATHERED):
-        at = slice(start, start + _GATHERED)
-        np.einsum("nkq,nk->nq", rows.take(index[at], axis=0), weight[at], out=result[at])
-    return result
 
 
 def leading_basis(

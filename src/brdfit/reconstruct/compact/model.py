@@ -11,13 +11,12 @@ from brdfit.grid import Grid
 from brdfit.linalg import CoefficientPosterior
 from brdfit.progress import Progress
 from brdfit.reconstruct.compact.basis import LeadingBasis
+from brdfit.reconstruct.slabs import filled
 
 __all__ = ["CompactModel"]
 
-_CHUNK = 65_536
 # ln f_r: what is written stays within what a float32 and a renderer can hold.
 _LOWEST, _HIGHEST = -30.0, 30.0
-_LABEL = "dense result"
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,14 +35,8 @@ class CompactModel:
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
         """Return f_r (*grid.shape, c), 1/sr, float32; 0 below the horizon."""
-        cells = grid.cells
-        result = np.empty((cells.size, self.coefficients.shape[1]), dtype=np.float32)
-        for start in range(0, cells.size, _CHUNK):
-            progress(_LABEL, start, cells.size)
-            at = cells[start : start + _CHUNK]
-            result[start : start + _CHUNK] = self.evaluate(*grid.directions(at))
-        progress(_LABEL, cells.size, cells.size)
-        return grid.spread(result)
+        put = self.basis.on_grid(self.coefficients, grid)
+        return filled(grid, self.coefficients.shape[1], put, progress)
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,24 +10,21 @@ import numpy as np
 from brdfit.arrays import FloatArray
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import Grid
-from brdfit.linalg import one_thread
+from brdfit.linalg import thin_product
 from brdfit.progress import Progress
 from brdfit.reconstruct.posterior.calibration import Calibration
 from brdfit.reconstruct.posterior.detail import Detail
 from brdfit.reconstruct.posterior.kernel import Angles
-from brdfit.reconstruct.posterior.nodes import ResidualOnGrid
+from brdfit.reconstruct.posterior.nodes import residual_on_grid
 from brdfit.reconstruct.posterior.places import places
-from brdfit.reconstruct.posterior.principal import GridComponents, PrincipalBasis
+from brdfit.reconstruct.posterior.principal import PrincipalBasis
 from brdfit.reconstruct.posterior.refine import Belief
 from brdfit.reconstruct.posterior.stages import Winner
+from brdfit.reconstruct.slabs import add_channels, filled
 
 __all__ = ["PosteriorModel"]
 
 _CHUNK = 8192
-_THREADS = 2
-# Multiplications of a product that the library does in place; it packs larger ones, which for a
-# few channels takes longer than to multiply.
-_SMALL = 500_000
 # ln f_r: what is written stays within what a float32 and a renderer can hold.
 _LOWEST, _HIGHEST = -30.0, 30.0
 
@@ -55,19 +51,21 @@ class PosteriorModel:
         """Return f_r (*grid.shape, c), 1/sr, float32; 0 below the horizon."""
         system, solution = self.winner.system, self.winner.solution
         combination, constant = system.prior.combination(solution.population)
-        parts = _Parts(
-            self.basis.on_grid(grid, progress),
-            combination.astype(np.float32),
-            constant.astype(np.float32),
-            ResidualOnGrid.of(system.kernel, grid, system.centres, solution.local),
-            None if self.detail is None else self.detail.on_grid(grid),
-        )
-        result = np.empty((*grid.shape, solution.local.shape[1]), dtype=np.float32)
-        # numpy lets go of the interpreter in its loops: two threads keep two cores busy
-        with one_thread(), ThreadPoolExecutor(_THREADS) as pool:
-            for _ in pool.map(lambda i: parts.fill(result[i], i), range(grid.n_theta_h)):
-                pass
-        return result
+        combination, constant = combination.astype(np.float32), constant.astype(np.float32)
+        components = self.basis.on_grid(grid, progress)
+        local = residual_on_grid(system.kernel, grid, system.centres, solution.local)
+        detail = None if self.detail is None else self.detail.on_grid(grid)
+
+        def put(logs: FloatArray, i: int) -> None:
+            rows, row_of = components.ring(i)
+            of_rows = thin_product(rows, combination)
+            of_rows += constant
+            np.take(of_rows, row_of, axis=0, out=logs.reshape(len(row_of), -1), mode="clip")
+            add_channels(logs, local.at(i))
+            if detail is not None:
+                logs += detail[i]
+
+        return filled(grid, solution.local.shape[1], put, progress)
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.
@@ -133,41 +131,3 @@ class PosteriorModel:
 
     def _at(self, wi: FloatArray, wo: FloatArray) -> tuple[FloatArray, Angles]:
         return self.basis.at(wi, wo), half_diff_from_directions(wi, wo)
-
-
-@dataclass(frozen=True, eq=False)
-class _Parts:
-    """What the dense result is made of, one theta_h at a time: each step finds it in the cache."""
-
-    components: GridComponents
-    combination: FloatArray
-    constant: FloatArray
-    local: ResidualOnGrid
-    detail: FloatArray | None
-    """(h, d, phi, c), of ln f_r."""
-
-    def fill(self, values: FloatArray, i: int) -> None:
-        """Put f_r of theta_h[i] into values (d, phi, c)."""
-        rows, row_of = self.components.ring(i)
-        logs = _product(rows, self.combination)
-        logs += self.constant
-        cells = values.reshape(len(row_of), -1)
-        np.take(logs, row_of, axis=0, out=cells, mode="clip")
-        self.local.add_to(values, i)
-        if self.detail is not None:
-            values += self.detail[i]
-        np.clip(values, _LOWEST, _HIGHEST, out=values)
-        np.exp(values, out=values)
-        # A cell as one thing: several times faster than its channels one by one.
-        whole = cells.view(f"V{cells.strides[0]}")[:, 0]
-        whole[~self.components.grid.above_horizon[i].reshape(-1)] = bytes(cells.strides[0])
-
-
-def _product(rows: FloatArray, combination: FloatArray) -> FloatArray:
-    """Return rows @ combination, in pieces that are not copied before they are multiplied."""
-    result = np.empty((len(rows), combination.shape[1]), dtype=np.float32)
-    step = max(_SMALL // combination.size, 1)
-    for start in range(0, len(rows), step):
-        piece = slice(start, start + step)
-        np.matmul(rows[piece], combination, out=result[piece])
-    return result

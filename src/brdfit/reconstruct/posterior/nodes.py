@@ -10,55 +10,30 @@ around phi_d, of the circle's radius r = sin theta_h sin theta_d besides: most a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.grid import Grid
 from brdfit.reconstruct.posterior.kernel import Angles, Kernel
+from brdfit.reconstruct.slabs import Carried
 
-__all__ = ["ResidualOnGrid"]
+__all__ = ["residual_on_grid"]
 
 # Nodes along theta_h (even in its square root), theta_d and phi_d: at least so many, and so
 # many more for each length of the kernel that an axis is long; circles have multiples of four.
 _ALONG_H, _ALONG_D, _AROUND = (8, 9.0), (14, 8.0), (12, 16.0)
 _STEP = 4
-# Channels up to which adding one after the other is faster than all in their order.
-_FEW = 4
 
 
-@dataclass(frozen=True, eq=False)
-class ResidualOnGrid:
-    """The residual of every cell, one theta_h at a time."""
-
-    along_h: FloatArray
-    """(h, channels, d nodes, phi nodes): carried along theta_h"""
-    to_d: FloatArray
-    """(d, d nodes)"""
-    to_phi: FloatArray
-    """(phi nodes, phi)"""
-
-    @classmethod
-    def of(cls, kernel: Kernel, grid: Grid, centres: Angles, alpha: FloatArray) -> ResidualOnGrid:
-        """Return sum_j k(x, centre_j) alpha_j for alpha (m, c)."""
-        axes, counts = _nodes(kernel, grid)
-        values = _on_rings(kernel, axes, counts, centres, alpha)
-        to_h = _spline(np.sqrt(axes[0]), np.sqrt(grid.theta_h))
-        return cls(
-            (to_h @ values.reshape(len(values), -1)).reshape(-1, *values.shape[1:]),
-            _spline(axes[1], grid.theta_d),
-            _spline(_circle(int(counts.max())), grid.phi_d, period=np.pi).T.copy(),
-        )
-
-    def add_to(self, logs: FloatArray, i: int) -> None:
-        """Add the residual to `logs` (d, phi, c), those of theta_h[i]."""
-        found = np.matmul(np.matmul(self.to_d, self.along_h[i]), self.to_phi)
-        if len(found) > _FEW:
-            logs += found.transpose(1, 2, 0)
-        else:
-            for channel, part in enumerate(found):
-                logs[..., channel] += part
+def residual_on_grid(kernel: Kernel, grid: Grid, centres: Angles, alpha: FloatArray) -> Carried:
+    """Return sum_j k(x, centre_j) alpha_j for alpha (m, c), at the cells of a grid."""
+    (theta_h, theta_d), counts = _nodes(kernel, grid)
+    return Carried.of(
+        _on_rings(kernel, (theta_h, theta_d), counts, centres, alpha),
+        _spline(np.sqrt(theta_h), np.sqrt(grid.theta_h)),
+        _spline(theta_d, grid.theta_d),
+        _spline(_circle(int(counts.max())), grid.phi_d, period=np.pi),
+    )
 
 
 def _nodes(kernel: Kernel, grid: Grid) -> tuple[tuple[FloatArray, FloatArray], IntArray]:

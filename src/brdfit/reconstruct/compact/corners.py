@@ -1,0 +1,131 @@
+"""Trilinear interpolation between the cells of a grid that are above the horizon.
+
+Of the eight cells around a point those below the horizon have no say, the weights of the others
+sum to 1. At the cells of another grid the weights are products along the three axes,
+
+    sum_k w_k m_k T_k / sum_k w_k m_k,      m = 1 above the horizon, 0 below
+
+so that sums above and below are three small products each, and that below is the same for
+every table. Where hardly any weight is left the corners are asked one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from brdfit.arrays import FloatArray, IntArray
+from brdfit.grid import Grid
+from brdfit.reconstruct.slabs import Carried, put_channels
+from brdfit.table import Table
+
+__all__ = ["Carriage", "Corners", "interpolated"]
+
+# Directions whose corners are gathered at once: what is gathered stays in the processor's cache.
+_GATHERED = 256
+# Weight above the horizon below which a quotient of sums is not to be trusted.
+_HARDLY = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Corners:
+    """The cells around any point, as rows of `grid.cells`."""
+
+    grid: Grid
+
+    @staticmethod
+    @lru_cache(maxsize=8)
+    def of(grid: Grid) -> Corners:
+        """Return those of a grid, made once."""
+        return Corners(grid)
+
+    def at(
+        self, theta_h: FloatArray, theta_d: FloatArray, phi_d: FloatArray
+    ) -> tuple[IntArray, FloatArray]:
+        """Return (rows (n, 8), weights (n, 8) float32) of points above the horizon."""
+        index, weight = self._blank.valid_corners(*self.grid.corners(theta_h, theta_d, phi_d))
+        return self._row_of[index], weight.astype(np.float32)
+
+    @cached_property
+    def _blank(self) -> Table:
+        """An empty table, which knows the cells that exist."""
+        return Table(values=np.zeros((*self.grid.shape, 1), dtype=np.float32), grid=self.grid)
+
+    @cached_property
+    def _row_of(self) -> IntArray:
+        """Row of each flat cell; 0 for cells below the horizon, which nobody asks for."""
+        row_of = np.zeros(self.grid.size, dtype=np.int64)
+        row_of[self.grid.cells] = np.arange(self.grid.cells.size)
+        return row_of
+
+
+def interpolated(rows: FloatArray, index: IntArray, weight: FloatArray) -> FloatArray:
+    """Return sums (n, q) of rows (m, q) at index (n, 8), with weights (n, 8)."""
+    result = np.empty((len(index), rows.shape[1]), np.result_type(rows, weight))
+    for start in range(0, len(index), _GATHERED):
+        at = slice(start, start + _GATHERED)
+        np.einsum("nkq,nk->nq", rows.take(index[at], axis=0), weight[at], out=result[at])
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class Carriage:
+    """What carries any table at the cells of a grid to those of another."""
+
+    grid: Grid
+    matrices: tuple[FloatArray, FloatArray, FloatArray]
+    """Of each axis (nodes of the other, nodes), float32."""
+    scale: FloatArray
+    """(h, d, phi) one over the weight above the horizon; 0 for the odd cells."""
+    odd: IntArray
+    """Flat cells that hardly have any, ascending."""
+    first: IntArray
+    """(h + 1,): those of theta_h[i] are from first[i] to first[i + 1]."""
+    index: IntArray
+    """(odd, 8) rows around each of them..."""
+    weight: FloatArray
+    """(odd, 8) ...and their weights."""
+
+    @staticmethod
+    @lru_cache(maxsize=4)
+    def between(grid: Grid, other: Grid) -> Carriage:
+        """Return what carries from one grid to another, made once."""
+        h, d, phi = (matrix.astype(np.float32) for matrix in grid.linear(other))
+        there = grid.above_horizon[:, None].astype(np.float32)
+        carried = Carried.of(there, h, d, phi)
+        total = np.stack([carried.at(i)[0] for i in range(other.n_theta_h)])
+        hardly = total < _HARDLY
+        odd = np.flatnonzero(hardly & other.above_horizon)
+        ring = other.n_theta_d * other.n_phi_d
+        return Carriage(
+            grid,
+            (h, d, phi),
+            np.divide(1.0, total, out=np.zeros_like(total), where=~hardly),
+            odd,
+            np.searchsorted(odd, np.arange(other.n_theta_h + 1) * ring),
+            *Corners.of(grid).at(*other.half_diff(odd)),
+        )
+
+    def of(self, table: FloatArray, constant: FloatArray) -> Callable[[FloatArray, int], None]:
+        """Return what puts the values of theta_h[i] into (d, phi, c).
+
+        They are those of a table (cells, c) and a constant (c,).
+        """
+        whole = np.zeros((table.shape[1], self.grid.size), dtype=np.float32)
+        for channel, values in enumerate(table.T):
+            whole[channel, self.grid.cells] = values + np.float32(constant[channel])
+        carried = Carried.of(whole.reshape(-1, *self.grid.shape).swapaxes(0, 1), *self.matrices)
+
+        def put(values: FloatArray, i: int) -> None:
+            found = carried.at(i)
+            found *= self.scale[i]
+            put_channels(values, found)
+            odd = slice(self.first[i], self.first[i + 1])
+            cells = values.reshape(-1, values.shape[-1])
+            alone = interpolated(table, self.index[odd], self.weight[odd])
+            cells[self.odd[odd] - i * len(cells)] = alone + constant
+
+        return put
