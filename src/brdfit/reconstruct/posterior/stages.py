@@ -38,7 +38,8 @@ DEPARTURE = 5.0
 FREEDOM = 2.5
 """nu of an inlier of the second stage."""
 _LABEL = "posterior"
-_CHUNK = 8192
+_CHUNK = 4096
+_THREADS = 2
 
 
 @dataclass(frozen=True)
@@ -125,10 +126,10 @@ class Winner:
 
     def mean(self, components: FloatArray, angles: Angles) -> FloatArray:
         """Return ln f_r (n, c) at [mu | B] (n, 1 + q) and angles."""
-        prior, kernel = self.system.prior, self.system.kernel
-        of_population = prior.features(components) @ self.solution.population
-        local = kernel.between(angles, self.system.centres) @ self.solution.local
-        return np.asarray(prior.log_mean(components)[:, None] + of_population + local)
+        combination, constant = self.system.prior.combination(self.solution.population)
+        of_population = components.astype(np.float64) @ combination + constant
+        local = self.system.kernel.between(angles, self.system.centres) @ self.solution.local
+        return np.asarray(of_population + local)
 
     def variance(self, components: FloatArray, angles: Angles) -> FloatArray:
         """Return that of ln f_r (n,)."""
@@ -182,7 +183,8 @@ def verdict_on(winner: Winner, data: Measurements, design: Design, search: Searc
     responsibility, mean = np.empty(len(data)), np.empty_like(data.y)
     belief = explained.belief
     variance = float(np.median(explained.left_out.variance))
-    for start in range(0, len(data), _CHUNK):
+
+    def judge(start: int) -> None:
         rows = np.arange(start, min(start + _CHUNK, len(data)))
         part = data.take(rows)
         at = design.take(rows)
@@ -192,6 +194,9 @@ def verdict_on(winner: Winner, data: Measurements, design: Design, search: Searc
         spread += belief.width**2 * belief.unevenness.factor(part.places)
         verdict = belief.mixture.judge(part.y, mean[rows], spread, known)
         responsibility[rows] = verdict.responsibility
+
+    with ThreadPoolExecutor(_THREADS) as pool:
+        list(pool.map(judge, range(0, len(data), _CHUNK)))
     responsibility[many], mean[many] = belief.responsibility, explained.mean
     return Judged(responsibility, mean)
 
@@ -256,7 +261,7 @@ def _with_residual(
         system = _system(data, design, prior, kernel, belief, search)
         return _at_rest(data, design, system, belief, search.second_steps)
 
-    with ThreadPoolExecutor(2) as pool:
+    with ThreadPoolExecutor(_THREADS) as pool:
         found = list(pool.map(settled, (first.belief, everybody(data))))
     return max(found, key=_merit)
 
