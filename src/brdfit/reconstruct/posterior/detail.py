@@ -71,21 +71,17 @@ class Detail:
 
         Among samples that of the kriging; far from all of them that of the rest besides.
         """
-        v, factor = self._certainty(angles)
+        v, factor = _certainty(self.lattice.at(_positions(angles)))
         return np.asarray(v * (factor * self.amplitude**2 + of_smooth))
 
-    def judge(self, data: Measurements, mean: FloatArray, angles: Angles) -> FloatArray:
-        """Return the responsibility (n,) of rows that had no say; `mean` (n, c) is said of them."""
-        v, factor = self._certainty(angles)
+    def judge(self, data: Measurements, before: FloatArray, angles: Angles) -> Judged:
+        """Return what is made of rows that had no say; `before` (n, c) is ln f_r without q."""
+        read = self.lattice.at(_positions(angles))
+        v, factor = _certainty(read)
+        mean = before + read[:, :-2]
         spread = factor * (v * self.amplitude**2 + self.belief.width**2) + data.scatter
-        known = data.informative(mean)
-        return self.belief.mixture.judge(data.y, mean, spread, known).responsibility
-
-    def _certainty(self, angles: Angles) -> tuple[FloatArray, FloatArray]:
-        """Return v and the local factor, each (n,)."""
-        logs = self.lattice.at(_positions(angles))[:, -2:]
-        v, factor = np.exp(logs).T
-        return np.minimum(v, 1.0), factor
+        verdict = self.belief.mixture.judge(data.y, mean, spread, data.informative(mean))
+        return Judged(verdict.responsibility, mean)
 
 
 def add_detail(
@@ -133,13 +129,18 @@ def _verdict(
     responsibility, mean = np.empty(len(data)), np.empty_like(judged.mean)
     for start in range(0, len(data), _CHUNK):
         rows = np.arange(start, min(start + _CHUNK, len(data)))
-        at = _taken(angles, rows)
-        mean[rows] = judged.mean[rows] + detail.at(at)
-        responsibility[rows] = detail.judge(data.take(rows), mean[rows], at)
+        found = detail.judge(data.take(rows), judged.mean[rows], _taken(angles, rows))
+        responsibility[rows], mean[rows] = found.responsibility, found.mean
     responsibility[some] = detail.belief.responsibility
     # Whom population and smooth residual believe is not called wrong: of flakes that are seen
     # one by one neighbours are a poor witness.
     return Judged(np.maximum(responsibility, judged.responsibility), mean)
+
+
+def _certainty(read: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return v and the local factor, each (n,), of what is read from the lattice (n, c + 2)."""
+    v, factor = np.exp(read[:, -2:]).T
+    return np.minimum(v, 1.0), factor
 
 
 def _taken(angles: Angles, rows: np.ndarray) -> Angles:
