@@ -59,8 +59,9 @@ class Table(Shown):
         owned = not values.flags.writeable and values.flags.c_contiguous and values.base is None
         put(self, "values", values if owned else frozen(values))
         finite = np.isfinite(values)
-        # Mostly all are: one pass then, where one along the short last axis takes the longest.
-        valid = self.grid.above_horizon & (finite.all() or finite.all(axis=3))
+        valid = self.grid.above_horizon
+        if not finite.all():  # to look along the short last axis takes longer than all the rest
+            valid = valid & finite.all(axis=3)
         if self.valid is not None:
             given = np.asarray(self.valid, dtype=bool)
             if given.shape != self.grid.shape:

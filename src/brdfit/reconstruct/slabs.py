@@ -13,9 +13,8 @@ from brdfit.grid import Grid
 from brdfit.linalg import one_thread
 from brdfit.progress import Progress
 
-__all__ = ["Carried", "add_channels", "filled", "put_channels"]
+__all__ = ["Carried", "add_channels", "filled", "put_channels", "side_by_side"]
 
-_THREADS = 2
 _LABEL = "dense result"
 # Channels up to which one after the other is faster than all in their order.
 _FEW = 4
@@ -33,22 +32,35 @@ def filled(
     """
     result = np.empty((*grid.shape, channels), dtype=np.float32)
 
-    def fill(first: int) -> None:
-        for i in range(first, grid.n_theta_h, _THREADS):
-            logs = result[i]
-            put(logs, i)
-            np.clip(logs, _LOWEST, _HIGHEST, out=logs)
-            np.exp(logs, out=logs)
-            # A cell as one thing: several times faster than its channels one by one.
-            cells = logs.reshape(-1, channels).view(f"V{logs.itemsize * channels}")[:, 0]
-            cells[~grid.above_horizon[i].reshape(-1)] = bytes(cells.itemsize)
+    def fill(i: int) -> None:
+        logs = result[i]
+        put(logs, i)
+        np.clip(logs, _LOWEST, _HIGHEST, out=logs)
+        np.exp(logs, out=logs)
+        # A cell as one thing: several times faster than its channels one by one.
+        cells = logs.reshape(-1, channels).view(f"V{logs.itemsize * channels}")[:, 0]
+        cells[~grid.above_horizon[i].reshape(-1)] = bytes(cells.itemsize)
 
     progress(_LABEL, 0, grid.n_theta_h)
-    # numpy lets go of the interpreter in its loops: two threads keep two cores busy
-    with one_thread(), ThreadPoolExecutor(_THREADS) as pool:
-        list(pool.map(fill, range(_THREADS)))
+    side_by_side(fill, grid.n_theta_h)
     progress(_LABEL, grid.n_theta_h, grid.n_theta_h)
     return result
+
+
+def side_by_side(task: Callable[[int], None], count: int) -> None:
+    """Call `task` with every number below `count`: the even ones here, the odd ones beside.
+
+    numpy lets go of the interpreter in its loops: two threads keep two cores busy.
+    """
+
+    def every_second(first: int) -> None:
+        for number in range(first, count, 2):
+            task(number)
+
+    with one_thread(), ThreadPoolExecutor(1) as pool:
+        beside = pool.submit(every_second, 1)
+        every_second(0)
+        beside.result()
 
 
 @dataclass(frozen=True, eq=False)

@@ -123,6 +123,8 @@ class Carriage:
             found = carried.at(i)
             found *= self.scale[i]
             put_channels(values, found)
+            if self.first[i] == self.first[i + 1]:
+                return
             odd = slice(self.first[i], self.first[i + 1])
             cells = values.reshape(-1, values.shape[-1])
             alone = interpolated(table, self.index[odd], self.weight[odd])

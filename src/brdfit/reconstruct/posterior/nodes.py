@@ -20,9 +20,12 @@ from brdfit.reconstruct.slabs import Carried
 __all__ = ["residual_on_grid"]
 
 # Nodes along theta_h (even in its square root), theta_d and phi_d: at least so many, and so
-# many more for each length of the kernel that an axis is long; circles have multiples of four.
+# many more for each length of the kernel that an axis is long; circles have multiples of four,
+# and so many only where they are not small.
 _ALONG_H, _ALONG_D, _AROUND = (8, 9.0), (14, 8.0), (12, 16.0)
-_STEP = 4
+_STEP, _SMALL = 4, 0.25
+# Weights of a spline that are nothing: far nodes have some so small that products become slow.
+_NOTHING = 1e-12
 
 
 def residual_on_grid(kernel: Kernel, grid: Grid, centres: Angles, alpha: FloatArray) -> Carried:
@@ -47,9 +50,12 @@ def _nodes(kernel: Kernel, grid: Grid) -> tuple[tuple[FloatArray, FloatArray], I
     theta_h = np.linspace(root[0], root[-1], h) ** 2
     theta_d = np.linspace(grid.theta_d[0], grid.theta_d[-1], d)
     radius = np.sin(theta_h)[:, None] * np.sin(theta_d)
-    wanted = _AROUND[0] + radius * _AROUND[1] / kernel.length
+    least = _STEP + (_AROUND[0] - _STEP) * np.minimum(radius / _SMALL, 1.0)
+    wanted = least + radius * _AROUND[1] / kernel.length
     counts = np.ceil(wanted / _STEP).astype(np.int64) * _STEP
-    return (theta_h, theta_d), np.minimum(counts, grid.n_phi_d)
+    if counts.max() >= grid.n_phi_d:
+        counts[:] = grid.n_phi_d
+    return (theta_h, theta_d), counts
 
 
 def _count(nodes: tuple[int, float], lengths: float) -> int:
@@ -98,7 +104,8 @@ def _spline(nodes: FloatArray, at: FloatArray, period: float | None = None) -> F
     unit = np.eye(len(nodes))
     if period is None:
         matrix: FloatArray = make_interp_spline(nodes, unit, k=3)(at)
-        return matrix.astype(np.float32)
-    closed = np.append(nodes, nodes[0] + period)
-    around = CubicSpline(closed, np.vstack([unit, unit[:1]]), bc_type="periodic")
-    return np.asarray(around(at), dtype=np.float32)
+    else:
+        closed = np.append(nodes, nodes[0] + period)
+        matrix = CubicSpline(closed, np.vstack([unit, unit[:1]]), bc_type="periodic")(at)
+    matrix[np.abs(matrix) < _NOTHING] = 0.0
+    return matrix.astype(np.float32)

@@ -109,13 +109,14 @@ class GridComponents:
 
         Cells below the horizon have the first.
         """
-        first, row_of = _row_of(self.grid, self.bilateral)
-        return self.rows[first[i] : first[i + 1]], row_of[i] - first[i]
+        first, within = _rings(self.grid, self.bilateral)
+        return self.rows[first[i] : first[i + 1]], within[i]
 
     def interpolated(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return [mu | B] (n, 1 + q), trilinear between valid cells."""
         blank = Table(values=np.zeros((*self.grid.shape, 1), dtype=np.float32), grid=self.grid)
-        row_of = _row_of(self.grid, self.bilateral)[1].reshape(-1)
+        first, within = _rings(self.grid, self.bilateral)
+        row_of = (first[:-1, None] + within).reshape(-1)
         result = np.empty((len(wi), self.rows.shape[1]), dtype=np.float32)
         for start in range(0, len(wi), _CHUNK):
             at = slice(start, start + _CHUNK)
@@ -127,17 +128,17 @@ class GridComponents:
 
 
 @lru_cache(maxsize=8)
-def _row_of(grid: Grid, bilateral: bool) -> tuple[IntArray, IntArray]:
-    """Return (first row of each theta_h (h + 1,), row of each cell (h, d * phi)).
+def _rings(grid: Grid, bilateral: bool) -> tuple[IntArray, IntArray]:
+    """Return (first row of each theta_h (h + 1,), which of its rows each cell has (h, d * phi)).
 
     A cell below the horizon has the first row of its theta_h: there always is one, at theta_d 0.
     """
     cells, expand = stored_cells(grid, bilateral)
     ring = grid.size // grid.n_theta_h
     first = np.searchsorted(cells, np.arange(grid.n_theta_h + 1) * ring)
-    row_of = np.repeat(first[:-1], ring)
-    row_of[grid.cells] = expand
-    return frozen(first), frozen(row_of.reshape(-1, ring))
+    within = np.zeros(grid.size, dtype=np.int64)
+    within[grid.cells] = expand - first[grid.cells // ring]
+    return frozen(first), frozen(within.reshape(-1, ring))
 
 
 def principal_basis(population: Population, progress: Progress = silent) -> PrincipalBasis:
