@@ -65,9 +65,12 @@ def test_where_nodes_are_the_cells_the_sum_is_exact(angles, shape, channels):
     assert np.abs(on_grid(kernel, grid, angles, alpha)[cells] - exact).max() < 1e-5
 
 
+@pytest.mark.parametrize("grazing", [0.0, Search().grazing])
 @pytest.mark.parametrize(("length", "stretch"), Search().shapes)
-def test_what_follows_samples_is_carried_to_the_cells_within_two_thousandths(length, stretch):
-    kernel, rng = Kernel(length, stretch, 0.1), np.random.default_rng(6)
+def test_what_follows_samples_is_carried_to_the_cells_within_two_thousandths(
+    length, stretch, grazing
+):
+    kernel, rng = Kernel(length, stretch, 0.1, grazing), np.random.default_rng(6)
     centres = MERL_GRID.half_diff(rng.choice(MERL_GRID.cells, 500, replace=False))
     gram = kernel.between(centres, centres)
     drawn = np.linalg.cholesky(gram + 1e-9 * np.eye(500)) @ rng.normal(size=(500, 3))
@@ -79,3 +82,22 @@ def test_what_follows_samples_is_carried_to_the_cells_within_two_thousandths(len
     off = np.abs(on_grid(kernel, MERL_GRID, centres, alpha)[cells] - exact)
     assert np.ptp(exact) > 0.1
     assert off.max() < 2e-3
+
+
+def test_the_horizon_is_further_away_where_it_counts_and_nothing_else_is(angles):
+    theta_h, theta_d = np.radians([[5.0, 5.0], [10.0, 80.0]])
+    zero = np.zeros(2)
+    normal, grazing = (theta_h[:1], theta_d[:1], zero[:1]), (theta_h[1:], theta_d[1:], zero[1:])
+    plain, far = Kernel(1.0, 1.0, 1.0), Kernel(1.0, 1.0, 1.0, 0.25)
+    assert far.between(normal, grazing) < 0.8 * plain.between(normal, grazing)
+    high = tuple(angle[np.cos(angles[0]) * np.cos(angles[1]) > 0.9] for angle in angles)
+    np.testing.assert_allclose(far.between(high, high), plain.between(high, high), atol=0.02)
+
+
+def test_the_distance_to_the_horizon_is_reciprocal_and_finite_below_it():
+    theta_h, theta_d, phi_d = (np.radians([60.0, 85.0]), np.radians([50.0, 85.0]), np.zeros(2))
+    kernel = Kernel(0.4, 1.0, 1.0, 0.25)
+    there = kernel.coordinates((theta_h, theta_d, phi_d))
+    assert np.isfinite(there).all()
+    other = kernel.coordinates((theta_h, theta_d, phi_d + np.pi))
+    np.testing.assert_allclose(there, other, atol=1e-12)

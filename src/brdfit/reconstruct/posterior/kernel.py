@@ -1,14 +1,17 @@
 """The local residual: a smooth Gaussian process that lets a material leave its population.
 
-    x = (stretch sqrt(theta_h / (pi/2)),  theta_d / (pi/2),  r cos 2 phi_d,  r sin 2 phi_d)
-    r = sin theta_h sin theta_d
+    x = (stretch sqrt(theta_h / (pi/2)),  theta_d / (pi/2),  r cos 2 phi_d,  r sin 2 phi_d,
+         -grazing ln(c + e))
+    r = sin theta_h sin theta_d,     c = cos theta_i cos theta_o, smoothly held above zero
 
     k(x, x') = a^2 (1 + sqrt(3) d) exp(-sqrt(3) d),     d = |x - x'| / length
 
 a Matern kernel of smoothness 3/2 over coordinates that know of reciprocity, and in which phi_d
 has no say at the poles. Kernels that are products along (theta_h, theta_d, phi_d) are cheaper
 on a grid, but predicted real measurements worse: what changes fast in phi_d changes where
-theta_h and theta_d are large, and there only.
+theta_h and theta_d are large, and there only. The fifth coordinate, where a fit wants it
+(`grazing` above 0), keeps apart what lies near the horizon: there a BRDF changes faster than
+anywhere but in its peak.
 
 Reference: C. E. Rasmussen, C. K. I. Williams, "Gaussian Processes for Machine Learning", MIT
 Press 2006, section 4.2.1 (Matern).
@@ -21,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brdfit.arrays import FloatArray
+from brdfit.geometry import cos_incident_outgoing
 from brdfit.reconstruct.coordinates import half_diff_features
 
 __all__ = ["Angles", "Kernel"]
@@ -30,6 +34,8 @@ Angles = tuple[FloatArray, FloatArray, FloatArray]
 
 # Values of the kernel worked out together: what is next done to them finds them in the cache.
 _IN_CACHE = 1 << 17
+# e: below this product of cosines it is all one.
+_NEAR_HORIZON = 0.04
 
 
 @dataclass(frozen=True)
@@ -39,11 +45,15 @@ class Kernel:
     length: float
     stretch: float
     amplitude: float
+    grazing: float = 0.0
+    """How much the last decades before the horizon count as distance; 0 for not at all."""
 
     def coordinates(self, angles: Angles) -> FloatArray:
-        """Return x / length (n, 4)."""
+        """Return x / length (n, 4), or (n, 5) where `grazing` is above 0."""
         x = half_diff_features(*(np.asarray(angle, dtype=np.float64) for angle in angles))
         x[:, 0] *= self.stretch
+        if self.grazing > 0.0:
+            x = np.column_stack([x, -self.grazing * _log_height(angles)])
         return np.asarray(x / self.length)
 
     def between(self, one: Angles, other: Angles) -> FloatArray:
@@ -82,6 +92,13 @@ class Kernel:
         _matern(d, np.empty_like(d))
         d *= self.amplitude**2
         return np.asarray(d)
+
+
+def _log_height(angles: Angles) -> FloatArray:
+    """Return ln(c + e) (n,), c = cos theta_i cos theta_o held above zero, smoothly."""
+    cos_i, cos_o = cos_incident_outgoing(*angles)
+    c = cos_i * cos_o
+    return np.asarray(np.log(_NEAR_HORIZON + 0.5 * (c + np.hypot(c, _NEAR_HORIZON))))
 
 
 def _matern(d: FloatArray, room: FloatArray) -> None:

@@ -142,6 +142,7 @@ def _figures(model: PosteriorModel) -> dict[str, float]:
         "residual_amplitude": kernel.amplitude,
         "residual_length": kernel.length,
         "residual_stretch": kernel.stretch,
+        "residual_grazing": kernel.grazing,
         "left_out_log_likelihood": winner.explanation.score,
     }
     if model.detail is not None:

@@ -26,6 +26,9 @@ _ALONG_H, _ALONG_D, _AROUND = (8, 9.0), (14, 8.0), (12, 16.0)
 _STEP, _SMALL = 4, 0.25
 # Weights of a spline that are nothing: far nodes have some so small that products become slow.
 _NOTHING = 1e-12
+# Of a kernel that keeps apart what lies near the horizon, which crosses all three axes, the
+# longest that counts: about as fine as it needs to be there.
+_LONGEST = 0.3
 
 
 def residual_on_grid(kernel: Kernel, grid: Grid, centres: Angles, alpha: FloatArray) -> Carried:
@@ -44,14 +47,15 @@ def _nodes(kernel: Kernel, grid: Grid) -> tuple[tuple[FloatArray, FloatArray], I
 
     No more than the grid has: where it is coarse, its own.
     """
-    h = min(_count(_ALONG_H, kernel.stretch / kernel.length), grid.n_theta_h)
-    d = min(_count(_ALONG_D, 1.0 / kernel.length), grid.n_theta_d)
+    length = min(kernel.length, _LONGEST) if kernel.grazing > 0.0 else kernel.length
+    h = min(_count(_ALONG_H, kernel.stretch / length), grid.n_theta_h)
+    d = min(_count(_ALONG_D, 1.0 / length), grid.n_theta_d)
     root = np.sqrt(grid.theta_h)
     theta_h = np.linspace(root[0], root[-1], h) ** 2
     theta_d = np.linspace(grid.theta_d[0], grid.theta_d[-1], d)
     radius = np.sin(theta_h)[:, None] * np.sin(theta_d)
     least = _STEP + (_AROUND[0] - _STEP) * np.minimum(radius / _SMALL, 1.0)
-    wanted = least + radius * _AROUND[1] / kernel.length
+    wanted = least + radius * _AROUND[1] / length
     counts = np.ceil(wanted / _STEP).astype(np.int64) * _STEP
     if counts.max() >= grid.n_phi_d:
         counts[:] = grid.n_phi_d

@@ -49,7 +49,9 @@ class Search:
     shapes: tuple[tuple[float, float], ...] = ((0.15, 1), (0.4, 1), (0.4, 3), (1, 1), (1, 3))
     """Length and stretch of the kernels; each is tried at the first amplitude..."""
     amplitudes: tuple[float, ...] = (0.3, 0.1, 1.0)
-    """...and the best of them at the others."""
+    """...and the best of them at the others..."""
+    grazing: float = 0.25
+    """...and the best of those with the horizon further away."""
     starts: int = 6
     first_steps: int = 12
     screening_steps: int = 3
@@ -287,7 +289,8 @@ def _best_kernel(
     shapes = [tried(Kernel(length, stretch, first)) for length, stretch in search.shapes]
     best = max(shapes, key=lambda found: found[0])
     amplitudes = (tried(replace(best[1], amplitude=a)) for a in others)
-    return max(chain([best], amplitudes), key=lambda found: found[0])[1]
+    best = max(chain([best], amplitudes), key=lambda found: found[0])
+    return max(best, tried(replace(best[1], grazing=search.grazing)), key=lambda found: found[0])[1]
 
 
 def _at_rest(
