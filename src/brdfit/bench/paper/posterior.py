@@ -58,7 +58,7 @@ class KnownComponents(PrincipalBasis):
             for logs in (scene.at_universe, scene.at_target)
         ]
         wi, wo = (np.concatenate(one) for one in zip(*places, strict=True))
-        found = cls(basis.population, basis.axes, wi, wo, np.concatenate(parts))
+        found = cls(basis.population, basis.axes, basis.blends, wi, wo, np.concatenate(parts))
         _ = found._order  # sorted here once, not in every worker
         return found
 

@@ -16,11 +16,7 @@ from brdfit.reconstruct.outliers import FEWEST
 from brdfit.reconstruct.posterior.detail import add_detail
 from brdfit.reconstruct.posterior.measurements import Measurements, targets_of
 from brdfit.reconstruct.posterior.model import PosteriorModel
-from brdfit.reconstruct.posterior.principal import (
-    PrincipalBasis,
-    column_weights,
-    principal_basis,
-)
+from brdfit.reconstruct.posterior.principal import PrincipalBasis, principal_basis
 from brdfit.reconstruct.posterior.stages import Design, Judged, Search, explain, verdict_on
 from brdfit.reconstruct.result import Reconstruction, population_record
 from brdfit.samples import Samples
@@ -76,7 +72,7 @@ class Posterior:
         wi, wo = samples.wi[data.rows], samples.wo[data.rows]
         theta_h, theta_d, phi_d = (angle[data.rows] for angle in samples.half_diff)
         design = Design(
-            basis.at(wi, wo), basis.axes, column_weights(materials), (theta_h, theta_d, phi_d)
+            basis.at(wi, wo), basis.axes, basis.column_weights(materials), (theta_h, theta_d, phi_d)
         )
         search = self.search()
         winner = explain(data, design, search, progress)

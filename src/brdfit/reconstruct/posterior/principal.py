@@ -1,7 +1,8 @@
 """Principal components of a population's log columns, at any direction and on a grid.
 
-Every channel of every member of a source is a column L_j(x) = ln max(f_r, VALUE_FLOOR). With
-their mean mu and the singular vectors V of the centred columns over cells of the MERL grid,
+Every channel of every member of a source is a column L_j(x) = ln max(f_r, VALUE_FLOOR), and so
+is every one of its `blends`. With their mean mu and the singular vectors V of the centred
+columns over cells of the MERL grid,
 
     L_j(x) = mu(x) + sum_k B_k(x) V_jk,      B = (L - mu) V
 
@@ -31,12 +32,13 @@ from brdfit.populations.store import stored_cells
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.correction_basis import training_cells
 from brdfit.reconstruct.members import MemberRows
+from brdfit.reconstruct.posterior.blends import Blends
 from brdfit.table import Table
 
-__all__ = ["GridComponents", "PrincipalBasis", "column_weights", "principal_basis"]
+__all__ = ["GridComponents", "PrincipalBasis", "principal_basis"]
 
 # Raise it when the components of the same population would change.
-_VERSION = 1
+_VERSION = 2
 # Components below this share of the largest singular value, squared, are left out: about
 # 0.001 in ln f_r over all columns of the published fits.
 _SMALLEST = 1e-7
@@ -53,12 +55,20 @@ class PrincipalBasis:
     population: Population
     """All members of the source."""
     axes: FloatArray
-    """V (columns, q), columns channel by channel: column of member j, channel c at c M + j."""
+    """V (columns, q): column of member j, channel c at c M + j; the blends come last."""
+    blends: Blends
 
     @property
     def size(self) -> int:
         """Number of components q."""
         return int(self.axes.shape[1])
+
+    def column_weights(self, population: Population) -> FloatArray:
+        """Return the weight of every column (columns,): 0 for those of members left out."""
+        members = np.zeros(len(self.population))
+        members[population.pick] = population.weights
+        channels = len(population.channels)
+        return self.blends.weights(np.tile(members / channels, channels))
 
     def at(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return [mu | B] (n, 1 + q), float32, at directions (n, 3) above the horizon."""
@@ -72,7 +82,7 @@ class PrincipalBasis:
 
     def of_members(self, members: MemberRows) -> FloatArray:
         """Return [mu | B] (n, 1 + q), float32, where the members are known."""
-        logs = np.concatenate(members.logs, axis=1)
+        logs = self.blends.joined(np.concatenate(members.logs, axis=1))
         mean = logs.mean(axis=1, dtype=np.float64).astype(np.float32)[:, None]
         logs -= mean
         return np.hstack([mean, logs @ self.axes.astype(np.float32)])
@@ -148,10 +158,14 @@ def principal_basis(population: Population, progress: Progress = silent) -> Prin
     def build() -> dict[str, FloatArray]:
         progress(_LABEL, 0, 1)
         members = MemberRows.at(everyone, *MERL_GRID.directions(training_cells(MERL_GRID)))
-        return {"axes": axes_of(np.concatenate(members.logs, axis=1))}
+        logs = np.concatenate(members.logs, axis=1)
+        blends = Blends.of(logs)
+        axes = axes_of(blends.joined(logs))
+        return {"axes": axes, "pairs": blends.pairs, "shifts": blends.shifts}
 
     key = f"{everyone.fingerprint} {_SMALLEST!r} {_VERSION}"
-    return PrincipalBasis(everyone, remember("posterior-axes", key, build)["axes"])
+    found = remember("posterior-axes", key, build)
+    return PrincipalBasis(everyone, found["axes"], Blends(found["pairs"], found["shifts"]))
 
 
 def axes_of(logs: FloatArray, smallest: float = _SMALLEST) -> FloatArray:
@@ -161,11 +175,3 @@ def axes_of(logs: FloatArray, smallest: float = _SMALLEST) -> FloatArray:
     values, vectors = np.linalg.eigh(centred.T @ centred)
     kept = values > smallest * values[-1]
     return np.ascontiguousarray(vectors[:, kept][:, ::-1])
-
-
-def column_weights(population: Population) -> FloatArray:
-    """Return the weight of every column of the *source* (columns,): 0 for members left out."""
-    members = np.zeros(len(population.source.members))
-    members[population.pick] = population.weights
-    channels = len(population.channels)
-    return np.tile(members / channels, channels)
