@@ -155,7 +155,7 @@ def principal_basis(population: Population, progress: Progress = silent) -> Prin
     """Return the principal basis of a population's source, computed once and kept."""
     everyone = Population.of(population.source)
 
-    def build() -> dict[str, FloatArray]:
+    def build() -> dict[str, FloatArray | IntArray]:
         progress(_LABEL, 0, 1)
         members = MemberRows.at(everyone, *MERL_GRID.directions(training_cells(MERL_GRID)))
         logs = np.concatenate(members.logs, axis=1)
