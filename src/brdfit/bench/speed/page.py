@@ -168,6 +168,7 @@ def _provenance(content: dict[str, Any], records: dict[str, Record]) -> str:
         ("population", content["settings"]["population"]),
         ("processor", f"{machine['processor']}, {machine['cpus']} cores, {machine['platform']}"),
         ("threads of the linear algebra", str(machine["threads"])),
+        *([("load when it began", str(load))] if (load := machine.get("load")) else []),
         ("bandwidth, GB/s", _range(rates["bandwidth"])),
         ("products, float32, GFlop/s", _range(rates["single"])),
         ("products, float64, GFlop/s", _range(rates["double"])),
