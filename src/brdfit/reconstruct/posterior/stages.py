@@ -72,7 +72,7 @@ class Search:
     """...and samples that each of them wants: with fewer, outliers find a place in the prior."""
     nearest: int = 10
     reach: float = 3.0
-    mix: float = 0.1
+    mix: float = 0.01
 
 
 @dataclass(frozen=True, eq=False)
