@@ -10,7 +10,7 @@ from brdfit.geometry import directions_from_spherical
 from brdfit.reconstruct import Posterior
 
 
-@pytest.mark.filterwarnings("ignore::brdfit.DataQualityWarning")
+@pytest.mark.filterwarnings("ignore::brdfit.errors.DataQualityWarning")
 def test_a_matt_material_has_no_ring_beside_its_mirror_direction(shared_data):
     # measured in the mirror direction and from theta_h = 6 degrees on: both are 0.28
     samples = read_samples(shared_data / "rgl" / "paper_white_rgb.bsdf")
