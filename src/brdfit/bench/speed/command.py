@@ -124,7 +124,6 @@ def _machine() -> dict[str, Any]:
         "platform": platform.system(),
         "processor": _processor(),
         "threads": os.environ.get(_THREADS, "as many as the library likes"),
-        "load": round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else None,
     }
 
 

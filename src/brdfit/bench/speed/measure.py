@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import statistics
 import sys
 import time
@@ -46,9 +47,11 @@ def measured(prepared: Prepared, repeat: int, warm: bool = True) -> Record:
     | `processor` | median seconds of the processor, which other work on the machine spoils less |
     | `peak_mb` | highest memory of the process during the runs, all it holds counted |
     | `added_mb` | that above what it held before them |
+    | `load` | load of the machine when it began, this run's own included; None where nobody tells |
     | `floor` | seconds that the stage takes at least, see `Floor` |
     | `over_floor`, `over_memory` | median over that, and over the time of its bytes alone |
     """
+    load = round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else None
     machine = Machine.measured()
     if warm:
         prepared.run()
@@ -73,6 +76,7 @@ def measured(prepared: Prepared, repeat: int, warm: bool = True) -> Record:
         "bandwidth": figure(machine.bandwidth, 4),
         "single": figure(machine.single, 4),
         "double": figure(machine.double, 4),
+        "load": load,
     } | prepared.told
     if prepared.count:
         record |= {"items": prepared.count, "items_a_second": figure(prepared.count / median, 4)}

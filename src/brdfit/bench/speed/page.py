@@ -162,13 +162,14 @@ def _provenance(content: dict[str, Any], records: dict[str, Record]) -> str:
         for name in ("bandwidth", "single", "double")
     }
     machine = content["machine"]
+    loads = [load for record in records.values() if (load := record.get("load")) is not None]
     lines = [
         ("command", f"`{content['command']}`"),
         ("seed", str(content["seed"])),
         ("population", content["settings"]["population"]),
         ("processor", f"{machine['processor']}, {machine['cpus']} cores, {machine['platform']}"),
         ("threads of the linear algebra", str(machine["threads"])),
-        *([("load when it began", str(load))] if (load := machine.get("load")) else []),
+        *([("load as stages began", f"{min(loads)} to {max(loads)}")] if loads else []),
         ("bandwidth, GB/s", _range(rates["bandwidth"])),
         ("products, float32, GFlop/s", _range(rates["single"])),
         ("products, float64, GFlop/s", _range(rates["double"])),
