@@ -7,9 +7,6 @@ over another body, a second lobe, a mixture of two materials is a sum of what ea
 In ln f_r, where the process is Gaussian, no sum of columns makes it, so that a population of
 few columns has to be told. Pairs and scales are drawn once, of a fixed seed. A blend
 counts as much as the geometric mean of its parents: with a parent left out, it is out as well.
-
-On decoded networks that were left out, a process with blends came 8 to 9 percent closer to the
-sphere's picture, with 100 as with 1,000 samples; a population of 1,200 columns gained nothing.
 """
 
 from __future__ import annotations
