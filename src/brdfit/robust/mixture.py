@@ -133,7 +133,7 @@ class Mixture:
         """Judge y (n, c) against predictions `mean` (n, c) of variance (n,), noise included."""
         square = mean_known((y - mean) ** 2, known)
         q = self.factors.share
-        right = np.log1p(-self.share) + self._log_inlier(square, variance)
+        right = np.log1p(-self.share) + self.log_inlier(square, variance)
         factor = np.log(self.share * q) + _log_normal(square, variance + self.factors.spread**2)
         elsewhere = self.background.log_density(y, known) + np.log(self.share * (1.0 - q))
         total = np.logaddexp(right, np.logaddexp(factor, elsewhere))
@@ -146,8 +146,8 @@ class Mixture:
             self.credit(square, variance),
         )
 
-    def _log_inlier(self, square: FloatArray, variance: FloatArray) -> FloatArray:
-        """Return ln N_i (n,)."""
+    def log_inlier(self, square: FloatArray, variance: FloatArray) -> FloatArray:
+        """Return ln N_i (n,) of mean squared residuals at variance (n,), noise included."""
         nu = self.freedom
         if np.isinf(nu):
             return _log_normal(square, variance)

@@ -27,6 +27,7 @@ from brdfit.progress import Progress, silent
 from brdfit.reconstruct.posterior.kernel import Angles
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.refine import Belief
+from brdfit.robust import Mixture
 
 __all__ = ["Crossed", "Metric", "Rows", "brought_to_rest"]
 
@@ -229,7 +230,7 @@ def _chosen(
         kriged = system.at(places, own)
         square = ((rows.left_over[some] - kriged.mean) ** 2).mean(axis=1)
         shape = kriged.variance + ratio + rows.data.scatter[some] / scale
-        return _likelihood(square, shape, heard, belief.mixture.freedom)
+        return _likelihood(square, shape, heard, belief.mixture)
 
     nugget = _nugget(rows, belief, pool, ratio, scale)
     systems = {one: _system(rows, pool, one, nugget) for one in _METRICS}
@@ -240,25 +241,16 @@ def _chosen(
 
 
 def _likelihood(
-    square: FloatArray, shape: FloatArray, heard: FloatArray, nu: float
+    square: FloatArray, shape: FloatArray, heard: FloatArray, mixture: Mixture
 ) -> tuple[float, float]:
-    """Return (ln likelihood, scale) of Student's t of variances scale * shape (n,)."""
+    """Return (ln likelihood, scale) of inliers of variances scale * shape (n,)."""
     total = max(float(heard.sum()), 1e-9)
     relative = square / shape
     scale = max(float(heard @ relative) / total, 1e-12)
     for _ in range(8):
-        credit = _credit(relative / scale, nu)
+        credit = mixture.credit(square, scale * shape)
         scale = max(float(heard @ (credit * relative)) / total, 1e-12)
-    if np.isinf(nu):
-        density = -0.5 * (np.log(scale * shape) + relative / scale)
-    else:
-        density = -0.5 * np.log(scale * shape)
-        density -= 0.5 * (nu + 1.0) * np.log1p(relative / (nu * scale))
-    return float(heard @ density), scale
-
-
-def _credit(size: FloatArray, nu: float) -> FloatArray:
-    return np.ones(len(size)) if np.isinf(nu) else np.asarray((nu + 1.0) / (nu + size))
+    return float(heard @ mixture.log_inlier(square, scale * shape)), scale
 
 
 def _crossed(rows: Rows, belief: Belief, metric: Metric, ratio: float, scale: float) -> Crossed:
@@ -284,10 +276,9 @@ def _weighed(
     prediction = rows.mean + kriged.mean
     known = data.informative(prediction)
     square = ((rows.left_over - kriged.mean) ** 2).mean(axis=1)
-    nu = belief.mixture.freedom
-    relative = square / (scale * shape + data.scatter)
+    stated = scale * shape + data.scatter
     heard = belief.responsibility * rows.whole
-    size = _credit(relative, nu) * relative
+    size = belief.mixture.credit(square, stated) * square / stated
     fits = float(np.clip(heard @ size / max(float(heard.sum()), 1e-9), 0.25, 4.0))
     scale = max(scale * fits, least)
     size = np.minimum(size / fits, _FURTHEST)[pool]
