@@ -2,8 +2,8 @@
 
 Kernel shapes, the degrees of freedom of a good sample and how deviations are calibrated were
 chosen on these. So were how low the bound of a negative value may be (chm_mint asked for it) and
-the say of members unlike the material (paper_white). The shares of the embedded population were chosen on a half of its own
-(`benchmarks/population_shares.py`).
+the say of members unlike the material (paper_white). The shares of the embedded
+population were chosen on a half of its own (`benchmarks/population_shares.py`).
 """
 
 from __future__ import annotations
