@@ -29,7 +29,8 @@ def test_it_passes_through_its_nodes(values):
 def test_points_and_axes_read_the_same_function(values, points):
     lattice = Lattice.through(values)
     x, y, z = points[:5, 0], points[:7, 1], points[:4, 2] * 3.0
-    on_axes = lattice.on_axes(x, y, z)
+    matrices = lattice.matrices(x, y, z)
+    on_axes = np.einsum("ai,bj,ck,ijkq->abcq", *matrices, lattice.coefficients)
     assert on_axes.shape == (5, 7, 4, 2)
     pairs = np.stack([a.ravel() for a in np.meshgrid(x, y, z, indexing="ij")], axis=1)
     assert np.allclose(on_axes.reshape(-1, 2), lattice.at(pairs), atol=5e-6)

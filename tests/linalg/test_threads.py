@@ -7,7 +7,7 @@ import threading
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from brdfit.linalg import one_thread
+from brdfit.linalg import one_thread, side_by_side
 
 
 def blas_threads():
@@ -58,3 +58,26 @@ def test_a_block_that_ends_does_not_lift_the_limit_of_another_thread():
     assert blas_threads() == {1}
     leave.set()
     thread.join()
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 7])
+def test_side_by_side_every_number_is_done_once_in_one_thread_of_linear_algebra(count):
+    done, threads = [], set()
+
+    def task(number):
+        done.append(number)
+        threads.update(blas_threads())
+
+    side_by_side(task, count)
+    assert sorted(done) == list(range(count))
+    assert threads <= {1}
+
+
+@pytest.mark.parametrize("wrong", [2, 3])
+def test_what_goes_wrong_on_either_side_is_told(wrong):
+    def task(number):
+        if number == wrong:
+            raise ValueError(f"number {number}")
+
+    with pytest.raises(ValueError, match=f"number {wrong}"):
+        side_by_side(task, 6)

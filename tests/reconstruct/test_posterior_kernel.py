@@ -9,7 +9,6 @@ from brdfit.grid import MERL_GRID, Grid
 from brdfit.reconstruct.posterior.kernel import Kernel
 from brdfit.reconstruct.posterior.nodes import residual_on_grid
 from brdfit.reconstruct.posterior.stages import Search
-from brdfit.reconstruct.slabs import add_channels
 
 
 @pytest.fixture
@@ -47,7 +46,7 @@ def on_grid(kernel, grid, centres, alpha):
     carried = residual_on_grid(kernel, grid, centres, alpha)
     dense = np.zeros((*grid.shape, alpha.shape[1]), dtype=np.float32)
     for i, logs in enumerate(dense):
-        add_channels(logs, carried.at(i))
+        logs[:] = carried.at(i).transpose(1, 2, 0)
     return dense.reshape(grid.size, -1)
 
 

@@ -16,7 +16,7 @@ from brdfit.linalg.normal_equations import (
 )
 from brdfit.linalg.packed import Triangle
 from brdfit.linalg.thin import thin_product
-from brdfit.linalg.threads import one_thread
+from brdfit.linalg.threads import one_thread, side_by_side
 
 __all__ = [
     "CoefficientPosterior",
@@ -34,6 +34,7 @@ __all__ = [
     "one_thread",
     "ridge",
     "ridge_with_intercept",
+    "side_by_side",
     "solved",
     "sweep_if_compiled",
     "thin_product",

@@ -67,13 +67,15 @@ class Lattice:
         ]
         return np.stack(read, axis=1) if read else np.empty((len(x), 0))
 
-    def on_axes(self, *axes: FloatArray) -> FloatArray:
-        """Return q (len 0, len 1, len 2, c), float32, at all combinations of three axes."""
-        part = self.coefficients
-        for axis, x in enumerate(axes):
-            matrix = _basis(self._place(x, axis), part.shape[axis])
-            part = np.moveaxis(np.tensordot(matrix, part, axes=(1, axis)), 0, axis)
-        return np.ascontiguousarray(part)
+    def matrices(self, *axes: FloatArray) -> list[FloatArray]:
+        """Return what carries the coefficients along each axis to places on it.
+
+        Matrices (places, n + 4), float32; q at all combinations of places is their product.
+        """
+        return [
+            _basis(self._place(x, axis), self.coefficients.shape[axis])
+            for axis, x in enumerate(axes)
+        ]
 
     def _place(self, x: FloatArray, axis: int) -> FloatArray:
         """Return where x is among the coefficients of an axis."""

@@ -13,11 +13,9 @@ pivots.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
-import numba
 import numpy as np
+
+from brdfit.linalg.compiled import compiled
 
 __all__ = ["solve_each"]
 
@@ -26,14 +24,7 @@ _FOUR = 4
 _REGISTER = 8
 
 
-def _compiled(function: Callable[..., Any]) -> Any:
-    try:
-        return numba.njit(cache=True, fastmath={"contract"})(function)
-    except RuntimeError:  # there is nowhere to keep what was compiled
-        return numba.njit(fastmath={"contract"})(function)
-
-
-@_compiled
+@compiled
 def solve_each(
     a: np.ndarray, right: np.ndarray, packed: bool, inverse: np.ndarray, solution: np.ndarray
 ) -> None:
@@ -63,7 +54,7 @@ def solve_each(
         solution[item] = t[size : size + many, :k]
 
 
-@_compiled
+@compiled
 def _read(a: np.ndarray, packed: bool, k: int, size: int, t: np.ndarray) -> None:
     """Copy the lower triangle; what is added to fill the last four is the identity."""
     at = 0
@@ -79,7 +70,7 @@ def _read(a: np.ndarray, packed: bool, k: int, size: int, t: np.ndarray) -> None
         t[i, i] = 1.0
 
 
-@_compiled
+@compiled
 def _take(t: np.ndarray, first: int, columns: np.ndarray, block: np.ndarray) -> None:
     """Copy C, transposed and 0 within the block, and D."""
     for r in range(_FOUR):
@@ -95,7 +86,7 @@ def _take(t: np.ndarray, first: int, columns: np.ndarray, block: np.ndarray) -> 
             block[j, r] = t[row, first + j]
 
 
-@_compiled
+@compiled
 def _invert(block: np.ndarray) -> None:
     """Replace D by its inverse: Gauss-Jordan, one pivot after the other."""
     for p in range(_FOUR):
@@ -113,7 +104,7 @@ def _invert(block: np.ndarray) -> None:
         block[p, p] = pivot
 
 
-@_compiled
+@compiled
 def _multiply(block: np.ndarray, columns: np.ndarray, factors: np.ndarray) -> None:
     """Multiply: factors = D^-1 C^T."""
     c0, c1, c2, c3 = columns[0], columns[1], columns[2], columns[3]
@@ -124,7 +115,7 @@ def _multiply(block: np.ndarray, columns: np.ndarray, factors: np.ndarray) -> No
             factor[j] = d0 * c0[j] + d1 * c1[j] + d2 * c2[j] + d3 * c3[j]
 
 
-@_compiled
+@compiled
 def _subtract(t: np.ndarray, columns: np.ndarray, factors: np.ndarray) -> None:
     """T - C D^-1 C^T, two rows at a time; what lies above the diagonal has no meaning."""
     c0, c1, c2, c3 = columns[0], columns[1], columns[2], columns[3]
@@ -141,7 +132,7 @@ def _subtract(t: np.ndarray, columns: np.ndarray, factors: np.ndarray) -> None:
             lower[j] = z
 
 
-@_compiled
+@compiled
 def _put(t: np.ndarray, first: int, factors: np.ndarray, block: np.ndarray) -> None:
     """C D^-1 and -D^-1 in their places."""
     for r in range(_FOUR):
@@ -154,7 +145,7 @@ def _put(t: np.ndarray, first: int, factors: np.ndarray, block: np.ndarray) -> N
             t[row, first + j] = -block[r, j]
 
 
-@_compiled
+@compiled
 def _write(t: np.ndarray, packed: bool, k: int, inverse: np.ndarray) -> None:
     at = 0
     for i in range(k):

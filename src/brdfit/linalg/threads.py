@@ -1,4 +1,4 @@
-"""One thread of linear algebra for the length of a block.
+"""One thread of linear algebra for the length of a block, and two of other work.
 
 The products of a fit are short and many. A threaded BLAS makes its threads wait for one another
 at the end of each, spinning; where other processes want the cores too, most of the time goes
@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["one_thread"]
+__all__ = ["one_thread", "side_by_side"]
 
 
 class _Limit:
@@ -60,3 +61,20 @@ def one_thread() -> Iterator[None]:
         yield
     finally:
         _LIMIT.leave()
+
+
+def side_by_side(task: Callable[[int], None], count: int) -> None:
+    """Call `task` with every number below `count`: the even ones here, the odd ones beside.
+
+    numpy lets go of the interpreter in its loops: two threads keep two cores busy. Each number
+    is one task's alone: what comes out does not depend on who does it.
+    """
+
+    def every_second(first: int) -> None:
+        for number in range(first, count, 2):
+            task(number)
+
+    with one_thread(), ThreadPoolExecutor(1) as pool:
+        beside = pool.submit(every_second, 1)
+        every_second(0)
+        beside.result()

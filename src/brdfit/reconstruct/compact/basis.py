@@ -25,7 +25,7 @@ import numpy as np
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import MERL_GRID, Grid
-from brdfit.linalg import thin_product
+from brdfit.linalg import side_by_side, thin_product
 from brdfit.populations import Population, remember
 from brdfit.populations.store import stored_cells
 from brdfit.progress import Progress, silent
@@ -83,14 +83,27 @@ class LeadingBasis:
             result[at] = interpolated(table, index, weight)
         return result
 
-    def on_grid(self, coefficients: FloatArray, grid: Grid) -> Callable[[FloatArray, int], None]:
-        """Return what puts ln f_r of theta_h[i] of a grid into logs (d, phi, c)."""
+    def on_grid(self, coefficients: FloatArray, grid: Grid) -> Callable[[int], FloatArray]:
+        """Return what gives ln f_r (c, d, phi), float32, of theta_h[i] of a grid."""
         return Carriage.between(self.grid, grid).of(*self._combined(coefficients))
 
     def _combined(self, coefficients: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return (mean + phi z without its brightness (m, c), float32, brightness (c,))."""
+        """Return (mean + phi z without its brightness (m + 1, c), float32, brightness (c,)).
+
+        The last row is 0.
+        """
         weights = np.vstack([np.ones((1, coefficients.shape[1])), coefficients[1:]])
-        return thin_product(self.rows, weights.astype(np.float32)), BRIGHTNESS * coefficients[0]
+        weights = weights.astype(np.float32)
+        table = np.empty((len(self.rows) + 1, weights.shape[1]), dtype=np.float32)
+        table[-1] = 0.0
+
+        def combine(number: int) -> None:
+            start = number * _CHUNK
+            rows = self.rows[start : start + _CHUNK]
+            table[start : start + len(rows)] = thin_product(rows, weights)
+
+        side_by_side(combine, -(-len(self.rows) // _CHUNK))
+        return table, BRIGHTNESS * coefficients[0]
 
     def _corners(
         self, wi: FloatArray, wo: FloatArray

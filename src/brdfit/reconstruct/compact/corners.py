@@ -19,7 +19,8 @@ import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.grid import Grid
-from brdfit.reconstruct.slabs import Carried, put_channels
+from brdfit.reconstruct.slab_cells import Between, blended
+from brdfit.reconstruct.slabs import Carried, along_theta_h
 from brdfit.table import Table
 
 __all__ = ["Carriage", "Corners", "interpolated"]
@@ -76,8 +77,14 @@ class Carriage:
     """What carries any table at the cells of a grid to those of another."""
 
     grid: Grid
-    matrices: tuple[FloatArray, FloatArray, FloatArray]
-    """Of each axis (nodes of the other, nodes), float32."""
+    row_of: IntArray
+    """(grid.size,) row of each flat cell, and the row after the last of those below the horizon."""
+    to_h: FloatArray
+    """(h, nodes), float32"""
+    between_d: Between
+    """Nodes along theta_d."""
+    to_phi: FloatArray
+    """(nodes, phi), float32"""
     scale: FloatArray
     """(h, d, phi) one over the weight above the horizon; 0 for the odd cells."""
     odd: IntArray
@@ -100,34 +107,38 @@ class Carriage:
         hardly = total < _HARDLY
         odd = np.flatnonzero(hardly & other.above_horizon)
         ring = other.n_theta_d * other.n_phi_d
+        row_of = np.full(grid.size, grid.cells.size)
+        row_of[grid.cells] = np.arange(grid.cells.size)
         return Carriage(
             grid,
-            (h, d, phi),
+            row_of,
+            h,
+            Between.of(d),
+            np.ascontiguousarray(phi.T),
             np.divide(1.0, total, out=np.zeros_like(total), where=~hardly),
             odd,
             np.searchsorted(odd, np.arange(other.n_theta_h + 1) * ring),
             *Corners.of(grid).at(*other.half_diff(odd)),
         )
 
-    def of(self, table: FloatArray, constant: FloatArray) -> Callable[[FloatArray, int], None]:
-        """Return what puts the values of theta_h[i] into (d, phi, c).
+    def of(self, table: FloatArray, constant: FloatArray) -> Callable[[int], FloatArray]:
+        """Return what gives the values (c, d, phi), float32, of theta_h[i].
 
-        They are those of a table (cells, c) and a constant (c,).
+        They are those of a table (cells + 1, c), float32, whose last row is 0, and a constant
+        (c,).
         """
-        whole = np.zeros((table.shape[1], self.grid.size), dtype=np.float32)
-        for channel, values in enumerate(table.T):
-            whole[channel, self.grid.cells] = values + np.float32(constant[channel])
-        carried = Carried.of(whole.reshape(-1, *self.grid.shape).swapaxes(0, 1), *self.matrices)
+        whole = table.take(self.row_of, axis=0, mode="clip").reshape(*self.grid.shape, -1)
+        nodes = along_theta_h(np.moveaxis(whole, -1, 1), self.to_h)
+        shift = constant.astype(np.float32)
 
-        def put(values: FloatArray, i: int) -> None:
-            found = carried.at(i)
-            found *= self.scale[i]
-            put_channels(values, found)
-            if self.first[i] == self.first[i + 1]:
-                return
+        def values_at(i: int) -> FloatArray:
+            around = np.matmul(np.ascontiguousarray(nodes[i]), self.to_phi)
+            values = blended(around, self.between_d, self.scale[i], shift)
             odd = slice(self.first[i], self.first[i + 1])
-            cells = values.reshape(-1, values.shape[-1])
-            alone = interpolated(table, self.index[odd], self.weight[odd])
-            cells[self.odd[odd] - i * len(cells)] = alone + constant
+            if odd.start < odd.stop:
+                cells = values.reshape(len(values), -1)
+                alone = interpolated(table, self.index[odd], self.weight[odd]) + constant
+                cells[:, self.odd[odd] - i * cells.shape[1]] = alone.T
+            return values
 
-        return put
+        return values_at

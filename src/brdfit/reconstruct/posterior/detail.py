@@ -29,6 +29,7 @@ from brdfit.reconstruct.posterior.kernel import Angles
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.refine import Belief
 from brdfit.reconstruct.posterior.stages import Judged
+from brdfit.reconstruct.slabs import Carried
 
 __all__ = ["FEWEST", "Detail", "add_detail"]
 
@@ -61,10 +62,11 @@ class Detail:
         """Return q (n, c) at (theta_h, theta_d, phi_d), each (n,), radians."""
         return self.lattice.at(_positions(angles))[:, :-2]
 
-    def on_grid(self, grid: Grid) -> FloatArray:
-        """Return q (h, d, phi, c), float32, at the nodes of a grid."""
-        read = self.lattice.on_axes(*_unit(grid.theta_h, grid.theta_d, grid.phi_d))
-        return read[..., :-2]
+    def on_grid(self, grid: Grid) -> Carried:
+        """Return q at the nodes of a grid."""
+        coefficients = np.moveaxis(self.lattice.coefficients[..., :-2], -1, 1)
+        axes = _unit(grid.theta_h, grid.theta_d, grid.phi_d)
+        return Carried.of(np.ascontiguousarray(coefficients), *self.lattice.matrices(*axes))
 
     def variance(self, angles: Angles, of_smooth: FloatArray) -> FloatArray:
         """Return the variance of ln f_r (n,), from that of population and smooth residual.

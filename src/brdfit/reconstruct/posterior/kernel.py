@@ -25,6 +25,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray
 from brdfit.geometry import cos_incident_outgoing
+from brdfit.linalg import side_by_side
 from brdfit.reconstruct.coordinates import half_diff_features
 
 __all__ = ["Angles", "Kernel"]
@@ -73,14 +74,15 @@ class Kernel:
         right = 3.0 * np.vstack([-2.0 * z.T, np.ones(len(z)), (z * z).sum(axis=1)])
         right, weights = right.astype(np.float32), (self.amplitude**2 * alpha).astype(np.float32)
         result = np.empty((len(x), weights.shape[1]), dtype=np.float32)
-        step = min(max(1, _IN_CACHE // max(len(z), 1)), len(x))
-        room = np.empty((2, step, len(z)), dtype=np.float32)
-        for start in range(0, len(x), step):
-            rows = slice(start, start + step)
-            d, falling = room[:, : len(left[rows])]
-            np.matmul(left[rows], right, out=d)
-            _matern(d, falling)
+        step = max(1, _IN_CACHE // max(len(z), 1))
+
+        def add_up(number: int) -> None:
+            rows = slice(number * step, (number + 1) * step)
+            d = left[rows] @ right
+            _matern(d, np.empty_like(d))
             np.matmul(d, weights, out=result[rows])
+
+        side_by_side(add_up, -(-len(x) // step))
         return result
 
     def _of_coordinates(self, x: FloatArray, z: FloatArray) -> FloatArray:

@@ -20,7 +20,8 @@ from brdfit.reconstruct.posterior.places import places
 from brdfit.reconstruct.posterior.principal import PrincipalBasis
 from brdfit.reconstruct.posterior.refine import Belief
 from brdfit.reconstruct.posterior.stages import Winner
-from brdfit.reconstruct.slabs import add_channels, filled
+from brdfit.reconstruct.slab_cells import add_rows
+from brdfit.reconstruct.slabs import filled
 
 __all__ = ["PosteriorModel"]
 
@@ -56,16 +57,17 @@ class PosteriorModel:
         local = residual_on_grid(system.kernel, grid, system.centres, solution.local)
         detail = None if self.detail is None else self.detail.on_grid(grid)
 
-        def put(logs: FloatArray, i: int) -> None:
+        def logs_at(i: int) -> FloatArray:
+            logs = local.at(i)
+            if detail is not None:
+                logs += detail.at(i)
             rows, row_of = components.ring(i)
             of_rows = thin_product(rows, combination)
             of_rows += constant
-            np.take(of_rows, row_of, axis=0, out=logs.reshape(len(row_of), -1), mode="clip")
-            add_channels(logs, local.at(i))
-            if detail is not None:
-                logs += detail[i]
+            add_rows(logs.reshape(len(logs), -1), of_rows, row_of)
+            return logs
 
-        return filled(grid, solution.local.shape[1], put, progress)
+        return filled(grid, solution.local.shape[1], logs_at, progress)
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.

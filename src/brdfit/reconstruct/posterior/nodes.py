@@ -10,9 +10,11 @@ around phi_d, of the circle's radius r = sin theta_h sin theta_d besides: most a
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
-from brdfit.arrays import FloatArray, IntArray
+from brdfit.arrays import FloatArray, IntArray, frozen
 from brdfit.grid import Grid
 from brdfit.reconstruct.posterior.kernel import Angles, Kernel
 from brdfit.reconstruct.slabs import Carried
@@ -38,7 +40,7 @@ def residual_on_grid(kernel: Kernel, grid: Grid, centres: Angles, alpha: FloatAr
         _on_rings(kernel, (theta_h, theta_d), counts, centres, alpha),
         _spline(np.sqrt(theta_h), np.sqrt(grid.theta_h)),
         _spline(theta_d, grid.theta_d),
-        _spline(_circle(int(counts.max())), grid.phi_d, period=np.pi),
+        _around(int(counts.max()), grid.n_phi_d),
     )
 
 
@@ -89,7 +91,7 @@ def _on_rings(
     for n, i, j in groups:
         part = found[start : start + n * len(i)].reshape(len(i), n, -1)
         start += n * len(i)
-        to_most = _spline(_circle(n), _circle(counts.max()), period=np.pi)
+        to_most = _around(n, int(counts.max()))
         result[i, :, j] = np.matmul(part.transpose(0, 2, 1), to_most.T)
     return result
 
@@ -98,18 +100,33 @@ def _circle(count: int) -> FloatArray:
     return np.arange(count) * (np.pi / count)
 
 
-def _spline(nodes: FloatArray, at: FloatArray, period: float | None = None) -> FloatArray:
+def _spline(nodes: FloatArray, at: FloatArray) -> FloatArray:
     """Return the matrix (len(at), len(nodes)), float32, of cubic spline interpolation."""
-    from scipy.interpolate import CubicSpline, make_interp_spline
+    from scipy.interpolate import make_interp_spline
 
     if len(nodes) < 4:
-        nearest = np.abs(at[:, None] - nodes).argmin(axis=1)
-        return np.asarray(np.eye(len(nodes), dtype=np.float32)[nearest])
-    unit = np.eye(len(nodes))
-    if period is None:
-        matrix: FloatArray = make_interp_spline(nodes, unit, k=3)(at)
-    else:
-        closed = np.append(nodes, nodes[0] + period)
-        matrix = CubicSpline(closed, np.vstack([unit, unit[:1]]), bc_type="periodic")(at)
+        return _nearest(nodes, at)
+    return _single(make_interp_spline(nodes, np.eye(len(nodes)), k=3)(at))
+
+
+@lru_cache(maxsize=256)
+def _around(count: int, others: int) -> FloatArray:
+    """Return the matrix (others, count), float32, from `count` places on a circle to others."""
+    from scipy.interpolate import CubicSpline
+
+    nodes, at = _circle(count), _circle(others)
+    if count < 4:
+        return frozen(_nearest(nodes, at))
+    unit = np.eye(count)
+    closed = CubicSpline(np.append(nodes, np.pi), np.vstack([unit, unit[:1]]), bc_type="periodic")
+    return frozen(_single(closed(at)))
+
+
+def _nearest(nodes: FloatArray, at: FloatArray) -> FloatArray:
+    unit = np.eye(len(nodes), dtype=np.float32)
+    return np.asarray(unit[np.abs(at[:, None] - nodes).argmin(axis=1)])
+
+
+def _single(matrix: FloatArray) -> FloatArray:
     matrix[np.abs(matrix) < _NOTHING] = 0.0
     return matrix.astype(np.float32)

@@ -1,0 +1,118 @@
+"""What is done to ln f_r of one theta_h, cell by cell, until it is f_r in a table.
+
+Array operations are the definition. Where numba is installed, compiled loops (`slab_loops`) do
+the same in one pass each, within 1e-6 in ln f_r (`benchmarks/dense_loops.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from types import ModuleType
+
+import numpy as np
+
+from brdfit.arrays import FloatArray, IntArray
+
+__all__ = [
+    "Between",
+    "add_rows",
+    "blended",
+    "loops_if_compiled",
+    "plain_add_rows",
+    "plain_blended",
+    "plain_put_values",
+    "put_values",
+]
+
+# ln f_r: the lowest that is written.
+_LOWEST = np.float32(-30.0)
+# Channels up to which one after the other is faster than all in their order.
+_FEW = 4
+
+
+def add_rows(logs: FloatArray, rows: FloatArray, row_of: IntArray) -> None:
+    """Add to logs (channels, n), float32, that of the row (m, channels) that each cell has."""
+    loops = loops_if_compiled()
+    (plain_add_rows if loops is None else loops.add_rows)(logs, rows, row_of)
+
+
+def put_values(logs: FloatArray, highest: FloatArray, cells: FloatArray) -> None:
+    """Put f_r into cells (n, channels), float32; ln f_r, logs (channels, n), is used up.
+
+    `highest` (n,) is the largest that ln f_r may be; -inf where there is nothing: f_r is 0.
+    """
+    loops = loops_if_compiled()
+    (plain_put_values if loops is None else loops.put_values)(logs, highest, _LOWEST, cells)
+
+
+@dataclass(frozen=True, eq=False)
+class Between:
+    """Places along an axis, each between two neighbouring nodes."""
+
+    low: IntArray
+    """(d,) the lower node"""
+    weight: FloatArray
+    """(d, 2), float32: of the lower, and of the one above it"""
+
+    @classmethod
+    def of(cls, matrix: FloatArray) -> Between:
+        """Return those that a matrix (places, nodes) of linear interpolation describes."""
+        low = np.minimum((matrix != 0.0).argmax(axis=1), matrix.shape[1] - 2)
+        return cls(low, np.take_along_axis(matrix, low[:, None] + np.arange(2), axis=1))
+
+
+def blended(
+    nodes: FloatArray, between: Between, scale: FloatArray, constant: FloatArray
+) -> FloatArray:
+    """Return scale (d, phi) times nodes (channels, m, phi) blended along theta_d, and more.
+
+    More is a constant (channels,). The result is (channels, d, phi), all of it float32.
+    """
+    loops = loops_if_compiled()
+    if loops is None:
+        return plain_blended(nodes, between, scale, constant)
+    result = np.empty((len(nodes), *scale.shape), dtype=np.float32)
+    loops.blend(nodes, between.low, between.weight, scale, constant, result)
+    return result
+
+
+def plain_blended(
+    nodes: FloatArray, between: Between, scale: FloatArray, constant: FloatArray
+) -> FloatArray:
+    """`blended` by array operations."""
+    result = nodes[:, between.low] * between.weight[:, :1]
+    result += nodes[:, between.low + 1] * between.weight[:, 1:]
+    result *= scale
+    result += constant[:, None, None]
+    return np.asarray(result)
+
+
+def plain_add_rows(logs: FloatArray, rows: FloatArray, row_of: IntArray) -> None:
+    """`add_rows` by array operations."""
+    for channel, known in enumerate(np.ascontiguousarray(rows.T)):
+        logs[channel] += known.take(row_of, mode="clip")
+
+
+def plain_put_values(
+    logs: FloatArray, highest: FloatArray, lowest: np.float32, cells: FloatArray
+) -> None:
+    """`put_values` by array operations."""
+    np.maximum(logs, lowest, out=logs)
+    np.minimum(logs, highest, out=logs)
+    np.exp(logs, out=logs)
+    if len(logs) > _FEW:
+        cells[:] = logs.T
+        return
+    for channel, values in enumerate(logs):
+        cells[:, channel] = values
+
+
+@lru_cache(maxsize=1)
+def loops_if_compiled() -> ModuleType | None:
+    """Return `slab_loops`; None without numba."""
+    try:
+        from brdfit.reconstruct import slab_loops
+    except ImportError:
+        return None
+    return slab_loops

@@ -1,0 +1,133 @@
+"""What is done to ln f_r of one theta_h, and that compiled loops and numpy do the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from brdfit.grid import Grid
+from brdfit.linalg import thin
+from brdfit.progress import silent
+from brdfit.reconstruct import Compact, Posterior, slab_cells, slabs
+from brdfit.reconstruct.slab_cells import (
+    Between,
+    add_rows,
+    blended,
+    loops_if_compiled,
+    plain_add_rows,
+    plain_blended,
+    plain_put_values,
+    put_values,
+)
+
+CHANNELS = pytest.mark.parametrize("channels", [1, 3, 7, 31])
+CELLS = pytest.mark.parametrize("cells", [1, 255, 256, 700])
+# odd along every axis, with cells below the horizon and without a node at 90 degrees
+GRID = Grid(13, 9, 11)
+
+
+@pytest.fixture
+def compiled():
+    if loops_if_compiled() is None:
+        pytest.skip("numba is not installed: pip install 'brdfit[fast]'")
+
+
+@pytest.fixture
+def plain(monkeypatch):
+    """A function after whose call numpy does everything."""
+
+    def switch():
+        monkeypatch.setattr(slab_cells, "loops_if_compiled", lambda: None)
+        monkeypatch.setattr(thin, "_loop_if_compiled", lambda: None)
+
+    return switch
+
+
+def single(rng, *shape, size=1.0):
+    return (size * rng.normal(size=shape)).astype(np.float32)
+
+
+# --- what they are --------------------------------------------------------------------------
+
+
+@CHANNELS
+@CELLS
+def test_each_cell_has_its_row_added(rng, channels, cells):
+    logs, rows = single(rng, channels, cells), single(rng, 50, channels)
+    row_of = rng.integers(50, size=cells)
+    expected = logs + rows[row_of].T
+    for way in (add_rows, plain_add_rows):
+        found = logs.copy()
+        way(found, rows, row_of)
+        assert np.array_equal(found, expected)
+
+
+@CHANNELS
+@CELLS
+def test_values_are_exponentials_within_bounds_and_nothing_below_the_horizon(rng, channels, cells):
+    logs = single(rng, channels, cells, size=20.0)
+    highest = np.where(rng.random(cells) < 0.7, 30.0, -np.inf).astype(np.float32)
+    expected = np.where(np.isfinite(highest), np.exp(np.clip(logs.astype(float), -30, 30)), 0).T
+    for way in (put_values, lambda a, b, c: plain_put_values(a, b, np.float32(-30.0), c)):
+        found = np.full((cells, channels), np.nan, dtype=np.float32)
+        way(logs.copy(), highest, found)
+        assert np.allclose(found, expected, rtol=3e-7, atol=0.0)
+        assert not found[np.isneginf(highest)].any()
+
+
+def test_the_exponential_is_one_at_zero_and_as_good_everywhere(compiled):
+    logs = np.linspace(-30.0, 30.0, 1_000_001, dtype=np.float32)
+    logs[0], logs[1] = 0.0, -0.0
+    found = np.empty((len(logs), 1), dtype=np.float32)
+    put_values(logs[None].copy(), np.full(len(logs), 30.0, dtype=np.float32), found)
+    assert found[0, 0] == found[1, 0] == 1.0
+    assert np.allclose(found[:, 0], np.exp(logs.astype(np.float64)), rtol=1.2e-7, atol=0.0)
+
+
+@CHANNELS
+def test_a_blend_is_linear_between_nodes_then_scaled_and_shifted(rng, channels):
+    matrix = np.zeros((5, 4), dtype=np.float32)
+    matrix[[0, 1, 2, 3, 4], [0, 0, 1, 2, 3]] = [1.0, 0.25, 0.5, 1.0, 1.0]
+    matrix[1, 1], matrix[2, 2] = 0.75, 0.5
+    nodes, scale = single(rng, channels, 4, 21), single(rng, 5, 21)
+    constant = single(rng, channels)
+    expected = np.einsum("dm,cmp->cdp", matrix, nodes) * scale + constant[:, None, None]
+    for way in (blended, plain_blended):
+        assert np.allclose(way(nodes, Between.of(matrix), scale, constant), expected, atol=1e-5)
+
+
+# --- tables ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(params=["posterior", "compact"])
+def method(request, toy):
+    return {"posterior": Posterior, "compact": Compact}[request.param](population=toy)
+
+
+def off(one, other):
+    above = GRID.above_horizon
+    assert not one.values[~above].any()
+    return np.abs(np.log(one.values[above]) - np.log(other.values[above])).max()
+
+
+@pytest.mark.parametrize("bands", [0, 9])
+def test_compiled_or_not_the_table_is_the_same(compiled, plain, method, measure, bands):
+    result = method.fit(measure(n=64, bands=bands))
+    free, limited = result.table(GRID), result.limited_table(GRID, albedo=0.05)
+    assert limited.lowered.any()
+    plain()
+    assert off(free, result.table(GRID)) < 5e-6
+    # the limit is sought in steps, until it is met closely enough
+    assert off(limited.table, result.limited_table(GRID, albedo=0.05).table) < 1e-4
+
+
+def test_the_table_does_not_depend_on_who_does_what(monkeypatch, method, measure):
+    result = method.fit(measure(n=64))
+    two = result.model.dense(GRID, silent)
+
+    def alone(task, count):
+        for number in reversed(range(count)):
+            task(number)
+
+    monkeypatch.setattr(slabs, "side_by_side", alone)
+    assert np.array_equal(result.model.dense(GRID, silent), two)
