@@ -52,14 +52,16 @@ def single(rng, *shape, size=1.0):
 
 @CHANNELS
 @CELLS
-def test_each_cell_has_its_row_added(rng, channels, cells):
+def test_each_cell_has_its_row_added_and_the_constant(rng, channels, cells):
     logs, rows = single(rng, channels, cells), single(rng, 50, channels)
-    row_of = rng.integers(50, size=cells)
-    expected = logs + rows[row_of].T
+    row_of, constant = rng.integers(50, size=cells), single(rng, channels)
+    expected = logs + (rows[row_of] + constant).T
+    before = rows.copy()
     for way in (add_rows, plain_add_rows):
         found = logs.copy()
-        way(found, rows, row_of)
-        assert np.array_equal(found, expected)
+        way(found, rows, row_of, constant)
+        assert np.allclose(found, expected, rtol=0.0, atol=1e-6)
+        assert np.array_equal(rows, before)
 
 
 @CHANNELS

@@ -31,10 +31,13 @@ _LOWEST = np.float32(-30.0)
 _FEW = 4
 
 
-def add_rows(logs: FloatArray, rows: FloatArray, row_of: IntArray) -> None:
-    """Add to logs (channels, n), float32, that of the row (m, channels) that each cell has."""
+def add_rows(logs: FloatArray, rows: FloatArray, row_of: IntArray, constant: FloatArray) -> None:
+    """Add to logs (channels, n) the row (m, channels) that each cell has, and a constant.
+
+    The constant is (channels,); all are float32.
+    """
     loops = loops_if_compiled()
-    (plain_add_rows if loops is None else loops.add_rows)(logs, rows, row_of)
+    (plain_add_rows if loops is None else loops.add_rows)(logs, rows, row_of, constant)
 
 
 def put_values(logs: FloatArray, highest: FloatArray, cells: FloatArray) -> None:
@@ -50,6 +53,8 @@ def put_values(logs: FloatArray, highest: FloatArray, cells: FloatArray) -> None
 class Between:
     """Places along an axis, each between two neighbouring nodes."""
 
+    matrix: FloatArray
+    """(d, m), float32: what linear interpolation makes of m nodes; a row has two numbers."""
     low: IntArray
     """(d,) the lower node"""
     weight: FloatArray
@@ -57,9 +62,10 @@ class Between:
 
     @classmethod
     def of(cls, matrix: FloatArray) -> Between:
-        """Return those that a matrix (places, nodes) of linear interpolation describes."""
+        """Return those that a matrix describes."""
         low = np.minimum((matrix != 0.0).argmax(axis=1), matrix.shape[1] - 2)
-        return cls(low, np.take_along_axis(matrix, low[:, None] + np.arange(2), axis=1))
+        weight = np.take_along_axis(matrix, low[:, None] + np.arange(2), axis=1)
+        return cls(matrix, low, weight)
 
 
 def blended(
@@ -81,16 +87,17 @@ def plain_blended(
     nodes: FloatArray, between: Between, scale: FloatArray, constant: FloatArray
 ) -> FloatArray:
     """`blended` by array operations."""
-    result = nodes[:, between.low] * between.weight[:, :1]
-    result += nodes[:, between.low + 1] * between.weight[:, 1:]
+    result = np.asarray(np.matmul(between.matrix, nodes))
     result *= scale
     result += constant[:, None, None]
-    return np.asarray(result)
+    return result
 
 
-def plain_add_rows(logs: FloatArray, rows: FloatArray, row_of: IntArray) -> None:
+def plain_add_rows(
+    logs: FloatArray, rows: FloatArray, row_of: IntArray, constant: FloatArray
+) -> None:
     """`add_rows` by array operations."""
-    for channel, known in enumerate(np.ascontiguousarray(rows.T)):
+    for channel, known in enumerate(np.add(rows.T, constant[:, None], order="C")):
         logs[channel] += known.take(row_of, mode="clip")
 
 

@@ -60,16 +60,17 @@ def blend(
 
 
 @compiled
-def add_rows(logs: np.ndarray, rows: np.ndarray, row_of: np.ndarray) -> None:
+def add_rows(logs: np.ndarray, rows: np.ndarray, row_of: np.ndarray, constant: np.ndarray) -> None:
     """Add the rows."""
     channels, n = logs.shape
     for start in range(0, n, _BLOCK):
         which = row_of[start : start + _BLOCK]
         for channel in range(channels):
             sums, values = logs[channel, start : start + _BLOCK], rows[:, channel]
+            more = constant[channel]
             for cell in range(len(which)):
                 # of numbers that may be negative numba asks whether they are
-                sums[cell] += values[np.uintp(which[cell])]
+                sums[cell] += values[np.uintp(which[cell])] + more
 
 
 @compiled

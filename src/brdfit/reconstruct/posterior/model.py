@@ -63,8 +63,7 @@ class PosteriorModel:
                 logs += detail.at(i)
             rows, row_of = components.ring(i)
             of_rows = thin_product(rows, combination)
-            of_rows += constant
-            add_rows(logs.reshape(len(logs), -1), of_rows, row_of)
+            add_rows(logs.reshape(len(logs), -1), of_rows, row_of, constant)
             return logs
 
         return filled(grid, solution.local.shape[1], logs_at, progress)
