@@ -92,7 +92,9 @@ def steps() -> dict[str, Callable[[], object]]:
     return {
         "product": lambda: thin_product(rows, columns),
         "rows to cells": each(lambda: slab_cells.add_rows(logs.copy(), few, row_of, few[0])),
-        "blend": each(lambda: slab_cells.blended(nodes, between, scale, few[0])),
+        "blend and exponentials": each(
+            lambda: slab_cells.put_blended(nodes, between, scale, few[0], highest, cells)
+        ),
         "exponentials": each(lambda: slab_cells.put_values(logs.copy(), highest, cells)),
     }
 
@@ -119,7 +121,8 @@ def first() -> float:
     started = time.perf_counter()
     thin_product(one, one)
     slab_cells.add_rows(one.copy(), one, row, one[0])
-    slab_cells.blended(one[None], slab_cells.Between.of(one), one, one[0, :1])
+    between, four = slab_cells.Between.of(one), np.ones((4, 1), dtype=np.float32)
+    slab_cells.put_blended(one[None], between, one, one[0, :1], four[:, 0], four)
     slab_cells.put_values(one.copy(), one[0], one.copy())
     return round(time.perf_counter() - started, 2)
 

@@ -15,8 +15,8 @@ from brdfit.reconstruct.slab_cells import (
     blended,
     loops_if_compiled,
     plain_add_rows,
-    plain_blended,
     plain_put_values,
+    put_blended,
     put_values,
 )
 
@@ -93,9 +93,14 @@ def test_a_blend_is_linear_between_nodes_then_scaled_and_shifted(rng, channels):
     matrix[1, 1], matrix[2, 2] = 0.75, 0.5
     nodes, scale = single(rng, channels, 4, 21), single(rng, 5, 21)
     constant = single(rng, channels)
-    expected = np.einsum("dm,cmp->cdp", matrix, nodes) * scale + constant[:, None, None]
-    for way in (blended, plain_blended):
-        assert np.allclose(way(nodes, Between.of(matrix), scale, constant), expected, atol=1e-5)
+    logs = np.einsum("dm,cmp->cdp", matrix, nodes) * scale + constant[:, None, None]
+    logs = logs.reshape(channels, -1)
+    assert np.allclose(blended(nodes, Between.of(matrix), scale, constant), logs, atol=1e-5)
+    highest = np.where(rng.random(105) < 0.7, 30.0, -np.inf).astype(np.float32)
+    expected, found = (np.empty((105, channels), dtype=np.float32) for _ in range(2))
+    plain_put_values(logs, highest, np.float32(-30.0), expected)
+    put_blended(nodes, Between.of(matrix), scale, constant, highest, found)
+    assert np.allclose(found, expected, rtol=1e-5, atol=0.0)
 
 
 # --- tables ---------------------------------------------------------------------------------

@@ -20,8 +20,8 @@ __all__ = [
     "blended",
     "loops_if_compiled",
     "plain_add_rows",
-    "plain_blended",
     "plain_put_values",
+    "put_blended",
     "put_values",
 ]
 
@@ -73,24 +73,29 @@ def blended(
 ) -> FloatArray:
     """Return scale (d, phi) times nodes (channels, m, phi) blended along theta_d, and more.
 
-    More is a constant (channels,). The result is (channels, d, phi), all of it float32.
+    More is a constant (channels,). The result is (channels, d * phi), all of it float32.
     """
-    loops = loops_if_compiled()
-    if loops is None:
-        return plain_blended(nodes, between, scale, constant)
-    result = np.empty((len(nodes), *scale.shape), dtype=np.float32)
-    loops.blend(nodes, between.low, between.weight, scale, constant, result)
-    return result
-
-
-def plain_blended(
-    nodes: FloatArray, between: Between, scale: FloatArray, constant: FloatArray
-) -> FloatArray:
-    """`blended` by array operations."""
     result = np.asarray(np.matmul(between.matrix, nodes))
     result *= scale
     result += constant[:, None, None]
-    return result
+    return result.reshape(len(nodes), -1)
+
+
+def put_blended(
+    nodes: FloatArray,
+    between: Between,
+    scale: FloatArray,
+    constant: FloatArray,
+    highest: FloatArray,
+    cells: FloatArray,
+) -> None:
+    """`put_values` of what is `blended`."""
+    loops = loops_if_compiled()
+    if loops is None:
+        put_values(blended(nodes, between, scale, constant), highest, cells)
+        return
+    low, weight = between.low, between.weight
+    loops.put_blended(nodes, low, weight, scale, constant, highest, _LOWEST, cells)
 
 
 def plain_add_rows(

@@ -16,7 +16,7 @@ import numpy as np
 
 from brdfit.linalg.compiled import compiled
 
-__all__ = ["add_rows", "blend", "put_values"]
+__all__ = ["add_rows", "put_blended", "put_values"]
 
 _BLOCK = 256
 _PER_LN2 = np.float32(1.44269504088896341)
@@ -36,27 +36,6 @@ _ONE, _ZERO = np.float32(1.0), np.float32(0.0)
 _ROUND = np.float32(12582912.0)
 # Bits of the mantissa of a float32, and 1.0 as bits.
 _MANTISSA, _ONE_BITS = np.int32(23), np.int32(0x3F800000)
-
-
-@compiled
-def blend(
-    nodes: np.ndarray,
-    low: np.ndarray,
-    weight: np.ndarray,
-    scale: np.ndarray,
-    constant: np.ndarray,
-    logs: np.ndarray,
-) -> None:
-    """Put what is blended into `logs`."""
-    channels, many, size = logs.shape
-    for channel in range(channels):
-        more = constant[channel]
-        for place in range(many):
-            at, share, rest = low[place], weight[place, 0], weight[place, 1]
-            one, other = nodes[channel, at], nodes[channel, at + 1]
-            factor, found = scale[place], logs[channel, place]
-            for cell in range(size):
-                found[cell] = (share * one[cell] + rest * other[cell]) * factor[cell] + more
 
 
 @compiled
@@ -86,6 +65,34 @@ def put_values(
             _exponentials(logs[channel, start : start + _BLOCK], limit, lowest, found)
             values = cells[start : start + _BLOCK, channel]
             for cell in range(len(values)):
+                values[cell] = found[cell]
+
+
+@compiled
+def put_blended(
+    nodes: np.ndarray,
+    low: np.ndarray,
+    weight: np.ndarray,
+    scale: np.ndarray,
+    constant: np.ndarray,
+    highest: np.ndarray,
+    lowest: np.float32,
+    cells: np.ndarray,
+) -> None:
+    """Blend, and put the values, one theta_d after the other."""
+    size = scale.shape[1]
+    # Two: what is read from where it is written to cannot go through whole registers.
+    logs, found = np.empty(size, dtype=np.float32), np.empty(size, dtype=np.float32)
+    for place in range(len(low)):
+        at, share, rest, factor = low[place], weight[place, 0], weight[place, 1], scale[place]
+        start = place * size
+        for channel in range(len(nodes)):
+            one, other, more = nodes[channel, at], nodes[channel, at + 1], constant[channel]
+            for cell in range(size):
+                logs[cell] = (share * one[cell] + rest * other[cell]) * factor[cell] + more
+            _exponentials(logs, highest[start : start + size], lowest, found)
+            values = cells[start : start + size, channel]
+            for cell in range(size):
                 values[cell] = found[cell]
 
 

@@ -12,32 +12,24 @@ from brdfit.arrays import FloatArray, frozen
 from brdfit.grid import Grid
 from brdfit.linalg import side_by_side
 from brdfit.progress import Progress
-from brdfit.reconstruct.slab_cells import put_values
 
-__all__ = ["Carried", "along_theta_h", "filled"]
+__all__ = ["Carried", "Put", "along_theta_h", "filled"]
+
+Put = Callable[[int, FloatArray, FloatArray], None]
+"""Puts f_r of theta_h[i] into cells (d * phi, channels), float32, given the highest ln f_r of
+each (d * phi,): -inf below the horizon. Called from two threads."""
 
 _LABEL = "dense result"
 # ln f_r: what is written stays below what a float32 and a renderer can hold.
 _HIGHEST = 30.0
 
 
-def filled(
-    grid: Grid, channels: int, logs_at: Callable[[int], FloatArray], progress: Progress
-) -> FloatArray:
-    """Return f_r (*grid.shape, channels), float32, 0 below the horizon.
-
-    `logs_at(i)` returns ln f_r (channels, d, phi), float32, of theta_h[i], in memory that it
-    gives away; it is called from two threads.
-    """
+def filled(grid: Grid, channels: int, put: Put, progress: Progress) -> FloatArray:
+    """Return f_r (*grid.shape, channels), float32, 0 below the horizon."""
     result = np.empty((*grid.shape, channels), dtype=np.float32)
-    highest = _highest(grid)
-
-    def fill(i: int) -> None:
-        logs = logs_at(i).reshape(channels, -1)
-        put_values(logs, highest[i], result[i].reshape(-1, channels))
-
+    cells, highest = result.reshape(grid.n_theta_h, -1, channels), _highest(grid)
     progress(_LABEL, 0, grid.n_theta_h)
-    side_by_side(fill, grid.n_theta_h)
+    side_by_side(lambda i: put(i, highest[i], cells[i]), grid.n_theta_h)
     progress(_LABEL, grid.n_theta_h, grid.n_theta_h)
     return result
 

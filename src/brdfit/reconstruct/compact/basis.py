@@ -16,7 +16,7 @@ and for a million alike, which is what makes their answers the same.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -35,6 +35,7 @@ from brdfit.reconstruct.correction_basis import training_cells
 from brdfit.reconstruct.members import MemberRows
 from brdfit.reconstruct.posterior.prior import BRIGHTNESS
 from brdfit.reconstruct.result import population_record
+from brdfit.reconstruct.slabs import Put
 
 __all__ = ["LeadingBasis", "leading_basis"]
 
@@ -83,8 +84,8 @@ class LeadingBasis:
             result[at] = interpolated(table, index, weight)
         return result
 
-    def on_grid(self, coefficients: FloatArray, grid: Grid) -> Callable[[int], FloatArray]:
-        """Return what gives ln f_r (c, d, phi), float32, of theta_h[i] of a grid."""
+    def on_grid(self, coefficients: FloatArray, grid: Grid) -> Put:
+        """Return what puts f_r at the cells of a grid."""
         return Carriage.between(self.grid, grid).of(*self._combined(coefficients))
 
     def _combined(self, coefficients: FloatArray) -> tuple[FloatArray, FloatArray]:

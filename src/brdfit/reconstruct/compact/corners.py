@@ -19,8 +19,8 @@ import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.grid import Grid
-from brdfit.reconstruct.slab_cells import Between, blended
-from brdfit.reconstruct.slabs import Carried, along_theta_h
+from brdfit.reconstruct.slab_cells import Between, blended, put_blended, put_values
+from brdfit.reconstruct.slabs import Carried, Put, along_theta_h
 from brdfit.table import Table
 
 __all__ = ["Carriage", "Corners", "interpolated"]
@@ -29,6 +29,8 @@ __all__ = ["Carriage", "Corners", "interpolated"]
 _GATHERED = 256
 # Weight above the horizon below which a quotient of sums is not to be trusted.
 _HARDLY = 1e-3
+# Of weights along an axis; what is finer is rounding.
+_DECIMALS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +102,8 @@ class Carriage:
     @lru_cache(maxsize=4)
     def between(grid: Grid, other: Grid) -> Carriage:
         """Return what carries from one grid to another, made once."""
-        h, d, phi = (matrix.astype(np.float32) for matrix in grid.linear(other))
+        # Where nodes coincide their weights are 1 and 0, not nearly so.
+        h, d, phi = (np.round(m, _DECIMALS).astype(np.float32) for m in grid.linear(other))
         there = grid.above_horizon[:, None].astype(np.float32)
         carried = Carried.of(there, h, d, phi)
         total = np.stack([carried.at(i)[0] for i in range(other.n_theta_h)])
@@ -121,24 +124,36 @@ class Carriage:
             *Corners.of(grid).at(*other.half_diff(odd)),
         )
 
-    def of(self, table: FloatArray, constant: FloatArray) -> Callable[[int], FloatArray]:
-        """Return what gives the values (c, d, phi), float32, of theta_h[i].
+    def of(self, table: FloatArray, constant: FloatArray) -> Put:
+        """Return what puts the exponentials of values at the cells of the other grid.
 
-        They are those of a table (cells + 1, c), float32, whose last row is 0, and a constant
-        (c,).
+        The values are those of a table (cells + 1, c), float32, whose last row is 0, and a
+        constant (c,).
         """
-        whole = table.take(self.row_of, axis=0, mode="clip").reshape(*self.grid.shape, -1)
-        nodes = along_theta_h(np.moveaxis(whole, -1, 1), self.to_h)
-        shift = constant.astype(np.float32)
+        nodes_at, shift = self._nodes(table), constant.astype(np.float32)
 
-        def values_at(i: int) -> FloatArray:
-            around = np.matmul(np.ascontiguousarray(nodes[i]), self.to_phi)
-            values = blended(around, self.between_d, self.scale[i], shift)
+        def put(i: int, highest: FloatArray, cells: FloatArray) -> None:
+            around = np.matmul(nodes_at(i), self.to_phi)
             odd = slice(self.first[i], self.first[i + 1])
-            if odd.start < odd.stop:
-                cells = values.reshape(len(values), -1)
-                alone = interpolated(table, self.index[odd], self.weight[odd]) + constant
-                cells[:, self.odd[odd] - i * cells.shape[1]] = alone.T
-            return values
+            if odd.start == odd.stop:
+                put_blended(around, self.between_d, self.scale[i], shift, highest, cells)
+                return
+            values = blended(around, self.between_d, self.scale[i], shift)
+            alone = interpolated(table, self.index[odd], self.weight[odd]) + constant
+            values[:, self.odd[odd] - i * values.shape[1]] = alone.T
+            put_values(values, highest, cells)
 
-        return values_at
+        return put
+
+    def _nodes(self, table: FloatArray) -> Callable[[int], FloatArray]:
+        """Return what gives a table at theta_h[i] of the other grid, (c, d nodes, phi nodes)."""
+        of_ring = self.row_of.reshape(self.grid.n_theta_h, -1)
+
+        def at_own(i: int) -> FloatArray:
+            rows = table.take(of_ring[i], axis=0, mode="clip")
+            return np.ascontiguousarray(rows.T).reshape(-1, *self.grid.shape[1:])
+
+        if len(self.to_h) == len(of_ring) and np.array_equal(self.to_h, np.eye(len(of_ring))):
+            return at_own
+        own = np.stack([at_own(i) for i in range(len(of_ring))])
+        return along_theta_h(own, self.to_h).__getitem__

@@ -35,8 +35,8 @@ class CompactModel:
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
         """Return f_r (*grid.shape, c), 1/sr, float32; 0 below the horizon."""
-        logs_at = self.basis.on_grid(self.coefficients, grid)
-        return filled(grid, self.coefficients.shape[1], logs_at, progress)
+        put = self.basis.on_grid(self.coefficients, grid)
+        return filled(grid, self.coefficients.shape[1], put, progress)
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray | None:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.

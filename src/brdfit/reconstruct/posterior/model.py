@@ -20,7 +20,7 @@ from brdfit.reconstruct.posterior.places import places
 from brdfit.reconstruct.posterior.principal import PrincipalBasis
 from brdfit.reconstruct.posterior.refine import Belief
 from brdfit.reconstruct.posterior.stages import Winner
-from brdfit.reconstruct.slab_cells import add_rows
+from brdfit.reconstruct.slab_cells import add_rows, put_values
 from brdfit.reconstruct.slabs import filled
 
 __all__ = ["PosteriorModel"]
@@ -57,16 +57,16 @@ class PosteriorModel:
         local = residual_on_grid(system.kernel, grid, system.centres, solution.local)
         detail = None if self.detail is None else self.detail.on_grid(grid)
 
-        def logs_at(i: int) -> FloatArray:
+        def put(i: int, highest: FloatArray, cells: FloatArray) -> None:
             logs = local.at(i)
             if detail is not None:
                 logs += detail.at(i)
+            logs = logs.reshape(len(logs), -1)
             rows, row_of = components.ring(i)
-            of_rows = thin_product(rows, combination)
-            add_rows(logs.reshape(len(logs), -1), of_rows, row_of, constant)
-            return logs
+            add_rows(logs, thin_product(rows, combination), row_of, constant)
+            put_values(logs, highest, cells)
 
-        return filled(grid, solution.local.shape[1], logs_at, progress)
+        return filled(grid, solution.local.shape[1], put, progress)
 
     def stddev(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.
