@@ -93,7 +93,9 @@ def steps() -> dict[str, Callable[[], object]]:
         "product": lambda: thin_product(rows, columns),
         "rows to cells": each(lambda: slab_cells.add_rows(logs.copy(), few, row_of, few[0])),
         "blend and exponentials": each(
-            lambda: slab_cells.put_blended(nodes, between, scale, few[0], highest, cells)
+            lambda: slab_cells.put_blended(
+                nodes[None], between, scale[None], few[0], highest[None], cells[None]
+            )
         ),
         "exponentials": each(lambda: slab_cells.put_values(logs.copy(), highest, cells)),
     }
@@ -122,7 +124,8 @@ def first() -> float:
     thin_product(one, one)
     slab_cells.add_rows(one.copy(), one, row, one[0])
     between, four = slab_cells.Between.of(one), np.ones((4, 1), dtype=np.float32)
-    slab_cells.put_blended(one[None], between, one, one[0, :1], four[:, 0], four)
+    here = one[None]
+    slab_cells.put_blended(here[None], between, here, one[0, :1], four.T, four[None])
     slab_cells.put_values(one.copy(), one[0], one.copy())
     return round(time.perf_counter() - started, 2)
 

@@ -91,15 +91,16 @@ def test_a_blend_is_linear_between_nodes_then_scaled_and_shifted(rng, channels):
     matrix = np.zeros((5, 4), dtype=np.float32)
     matrix[[0, 1, 2, 3, 4], [0, 0, 1, 2, 3]] = [1.0, 0.25, 0.5, 1.0, 1.0]
     matrix[1, 1], matrix[2, 2] = 0.75, 0.5
-    nodes, scale = single(rng, channels, 4, 21), single(rng, 5, 21)
-    constant = single(rng, channels)
-    logs = np.einsum("dm,cmp->cdp", matrix, nodes) * scale + constant[:, None, None]
-    logs = logs.reshape(channels, -1)
-    assert np.allclose(blended(nodes, Between.of(matrix), scale, constant), logs, atol=1e-5)
-    highest = np.where(rng.random(105) < 0.7, 30.0, -np.inf).astype(np.float32)
-    expected, found = (np.empty((105, channels), dtype=np.float32) for _ in range(2))
-    plain_put_values(logs, highest, np.float32(-30.0), expected)
-    put_blended(nodes, Between.of(matrix), scale, constant, highest, found)
+    nodes, scale = single(rng, 2, channels, 4, 21), single(rng, 2, 5, 21)
+    constant, between = single(rng, channels), Between.of(matrix)
+    logs = np.einsum("dm,hcmp->hcdp", matrix, nodes) * scale[:, None] + constant[:, None, None]
+    logs = logs.reshape(2, channels, -1)
+    assert np.allclose(blended(nodes, between, scale, constant), logs, atol=1e-5)
+    highest = np.where(rng.random((2, 105)) < 0.7, 30.0, -np.inf).astype(np.float32)
+    expected, found = (np.empty((2, 105, channels), dtype=np.float32) for _ in range(2))
+    put_blended(nodes, between, scale, constant, highest, found)
+    for ring in range(2):
+        plain_put_values(logs[ring], highest[ring], np.float32(-30.0), expected[ring])
     assert np.allclose(found, expected, rtol=1e-5, atol=0.0)
 
 

@@ -71,14 +71,14 @@ class Between:
 def blended(
     nodes: FloatArray, between: Between, scale: FloatArray, constant: FloatArray
 ) -> FloatArray:
-    """Return scale (d, phi) times nodes (channels, m, phi) blended along theta_d, and more.
+    """Return scale (h, d, phi) times nodes (h, channels, m, phi) blended along theta_d, and more.
 
-    More is a constant (channels,). The result is (channels, d * phi), all of it float32.
+    More is a constant (channels,). The result is (h, channels, d * phi), all of it float32.
     """
     result = np.asarray(np.matmul(between.matrix, nodes))
-    result *= scale
+    result *= scale[:, None]
     result += constant[:, None, None]
-    return result.reshape(len(nodes), -1)
+    return result.reshape(*nodes.shape[:2], -1)
 
 
 def put_blended(
@@ -89,13 +89,16 @@ def put_blended(
     highest: FloatArray,
     cells: FloatArray,
 ) -> None:
-    """`put_values` of what is `blended`."""
+    """Do `put_values` to what is `blended`: highest (h, d * phi), cells (h, d * phi, channels)."""
     loops = loops_if_compiled()
-    if loops is None:
-        put_values(blended(nodes, between, scale, constant), highest, cells)
+    if loops is not None:
+        low, weight = between.low, between.weight
+        loops.put_blended(nodes, low, weight, scale, constant, highest, _LOWEST, cells)
         return
-    low, weight = between.low, between.weight
-    loops.put_blended(nodes, low, weight, scale, constant, highest, _LOWEST, cells)
+    for ring in range(len(nodes)):
+        one = slice(ring, ring + 1)
+        logs = blended(nodes[one], between, scale[one], constant)[0]
+        put_values(logs, highest[ring], cells[ring])
 
 
 def plain_add_rows(

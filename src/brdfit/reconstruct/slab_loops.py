@@ -80,20 +80,23 @@ def put_blended(
     cells: np.ndarray,
 ) -> None:
     """Blend, and put the values, one theta_d after the other."""
-    size = scale.shape[1]
+    size = scale.shape[2]
     # Two: what is read from where it is written to cannot go through whole registers.
     logs, found = np.empty(size, dtype=np.float32), np.empty(size, dtype=np.float32)
-    for place in range(len(low)):
-        at, share, rest, factor = low[place], weight[place, 0], weight[place, 1], scale[place]
-        start = place * size
-        for channel in range(len(nodes)):
-            one, other, more = nodes[channel, at], nodes[channel, at + 1], constant[channel]
-            for cell in range(size):
-                logs[cell] = (share * one[cell] + rest * other[cell]) * factor[cell] + more
-            _exponentials(logs, highest[start : start + size], lowest, found)
-            values = cells[start : start + size, channel]
-            for cell in range(size):
-                values[cell] = found[cell]
+    for ring in range(len(nodes)):
+        for place in range(len(low)):
+            at, share, rest = low[place], weight[place, 0], weight[place, 1]
+            start, factor = place * size, scale[ring, place]
+            limit = highest[ring, start : start + size]
+            for channel in range(len(constant)):
+                one, other = nodes[ring, channel, at], nodes[ring, channel, at + 1]
+                more = constant[channel]
+                for cell in range(size):
+                    logs[cell] = (share * one[cell] + rest * other[cell]) * factor[cell] + more
+                _exponentials(logs, limit, lowest, found)
+                values = cells[ring, start : start + size, channel]
+                for cell in range(size):
+                    values[cell] = found[cell]
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Dense results one theta_h at a time: what a step leaves in the cache, the next finds there."""
+"""Dense results a few theta_h at a time: what a step leaves in the cache, the next finds there."""
 
 from __future__ import annotations
 
@@ -15,11 +15,14 @@ from brdfit.progress import Progress
 
 __all__ = ["Carried", "Put", "along_theta_h", "filled"]
 
-Put = Callable[[int, FloatArray, FloatArray], None]
-"""Puts f_r of theta_h[i] into cells (d * phi, channels), float32, given the highest ln f_r of
-each (d * phi,): -inf below the horizon. Called from two threads."""
+Put = Callable[[slice, FloatArray, FloatArray], None]
+"""Puts f_r of some theta_h into cells (rings, d * phi, channels), float32, given the highest
+ln f_r of each (rings, d * phi): -inf below the horizon. Called from two threads."""
 
 _LABEL = "dense result"
+# Values of theta_h at once: few enough for the cache, and many enough that two threads seldom
+# wait for one another to be let into the interpreter.
+_TOGETHER = 5
 # ln f_r: what is written stays below what a float32 and a renderer can hold.
 _HIGHEST = 30.0
 
@@ -28,8 +31,13 @@ def filled(grid: Grid, channels: int, put: Put, progress: Progress) -> FloatArra
     """Return f_r (*grid.shape, channels), float32, 0 below the horizon."""
     result = np.empty((*grid.shape, channels), dtype=np.float32)
     cells, highest = result.reshape(grid.n_theta_h, -1, channels), _highest(grid)
+
+    def fill(number: int) -> None:
+        rings = slice(number * _TOGETHER, min((number + 1) * _TOGETHER, grid.n_theta_h))
+        put(rings, highest[rings], cells[rings])
+
     progress(_LABEL, 0, grid.n_theta_h)
-    side_by_side(lambda i: put(i, highest[i], cells[i]), grid.n_theta_h)
+    side_by_side(fill, -(-grid.n_theta_h // _TOGETHER))
     progress(_LABEL, grid.n_theta_h, grid.n_theta_h)
     return result
 

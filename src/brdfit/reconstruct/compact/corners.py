@@ -132,28 +132,30 @@ class Carriage:
         """
         nodes_at, shift = self._nodes(table), constant.astype(np.float32)
 
-        def put(i: int, highest: FloatArray, cells: FloatArray) -> None:
-            around = np.matmul(nodes_at(i), self.to_phi)
-            odd = slice(self.first[i], self.first[i + 1])
+        def put(rings: slice, highest: FloatArray, cells: FloatArray) -> None:
+            around = np.matmul(nodes_at(rings), self.to_phi)
+            scale = self.scale[rings]
+            odd = slice(self.first[rings.start], self.first[rings.stop])
             if odd.start == odd.stop:
-                put_blended(around, self.between_d, self.scale[i], shift, highest, cells)
+                put_blended(around, self.between_d, scale, shift, highest, cells)
                 return
-            values = blended(around, self.between_d, self.scale[i], shift)
+            values = blended(around, self.between_d, scale, shift)
+            ring, cell = np.divmod(self.odd[odd], values.shape[2])
             alone = interpolated(table, self.index[odd], self.weight[odd]) + constant
-            values[:, self.odd[odd] - i * values.shape[1]] = alone.T
-            put_values(values, highest, cells)
+            values[ring - rings.start, :, cell] = alone
+            for logs, most, found in zip(values, highest, cells, strict=True):
+                put_values(logs, most, found)
 
         return put
 
-    def _nodes(self, table: FloatArray) -> Callable[[int], FloatArray]:
-        """Return what gives a table at theta_h[i] of the other grid, (c, d nodes, phi nodes)."""
+    def _nodes(self, table: FloatArray) -> Callable[[slice], FloatArray]:
+        """Return what gives a table (rings, c, d nodes, phi nodes) at theta_h of the other grid."""
         of_ring = self.row_of.reshape(self.grid.n_theta_h, -1)
 
-        def at_own(i: int) -> FloatArray:
-            rows = table.take(of_ring[i], axis=0, mode="clip")
-            return np.ascontiguousarray(rows.T).reshape(-1, *self.grid.shape[1:])
+        def at_own(rings: slice) -> FloatArray:
+            rows = table.take(of_ring[rings], axis=0, mode="clip").swapaxes(1, 2)
+            return np.ascontiguousarray(rows).reshape(*rows.shape[:2], *self.grid.shape[1:])
 
         if len(self.to_h) == len(of_ring) and np.array_equal(self.to_h, np.eye(len(of_ring))):
             return at_own
-        own = np.stack([at_own(i) for i in range(len(of_ring))])
-        return along_theta_h(own, self.to_h).__getitem__
+        return along_theta_h(at_own(slice(None)), self.to_h).__getitem__

@@ -57,14 +57,15 @@ class PosteriorModel:
         local = residual_on_grid(system.kernel, grid, system.centres, solution.local)
         detail = None if self.detail is None else self.detail.on_grid(grid)
 
-        def put(i: int, highest: FloatArray, cells: FloatArray) -> None:
-            logs = local.at(i)
-            if detail is not None:
-                logs += detail.at(i)
-            logs = logs.reshape(len(logs), -1)
-            rows, row_of = components.ring(i)
-            add_rows(logs, thin_product(rows, combination), row_of, constant)
-            put_values(logs, highest, cells)
+        def put(rings: slice, highest: FloatArray, cells: FloatArray) -> None:
+            for i, most, values in zip(range(rings.start, rings.stop), highest, cells, strict=True):
+                logs = local.at(i)
+                if detail is not None:
+                    logs += detail.at(i)
+                logs = logs.reshape(len(logs), -1)
+                rows, row_of = components.ring(i)
+                add_rows(logs, thin_product(rows, combination), row_of, constant)
+                put_values(logs, most, values)
 
         return filled(grid, solution.local.shape[1], put, progress)
 
