@@ -29,7 +29,7 @@ class Outcome(enum.Enum):
 
 
 _ADVICE = {
-    Outcome.CONVERGED: "The fit came to rest: more iterations would change nothing.",
+    Outcome.CONVERGED: "The fit came to rest: more iterations would not describe samples better.",
     Outcome.NO_IMPROVEMENT: (
         "Further corrections stopped bringing the estimate nearer to the samples; the nearest "
         "iterate was kept."

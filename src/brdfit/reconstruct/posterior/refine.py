@@ -1,6 +1,6 @@
 """One explanation of the samples, brought to rest: coefficients, noise, and who is believed.
 
-Repeated until the responsibilities stay where they are:
+Repeated until the rows, each left out, become no likelier:
 
     1.  w_i = r_i u_i / V_i                              V_i = s^2 + scatter_i
     2.  coefficients from rows of weight w               (`linalg.gaussian`, `linalg.kriging`)
@@ -11,7 +11,9 @@ Repeated until the responsibilities stay where they are:
 
 A row is judged by the others: with a residual free enough to follow one sample, every sample
 agrees with itself. s never falls by more than half in a step, so that a good start is not
-lost to a moment's confidence, and is drawn toward `EXPECTED` by a few imagined samples.
+lost to a moment's confidence, and is drawn toward `EXPECTED` by a few imagined samples. Where
+noise differs from place to place, s and u would go on falling long after the left-out rows are
+as likely as they get; nothing that was not measured is predicted better for it.
 
 g says where everybody is further off than elsewhere: near grazing, in a narrow peak. That is
 seldom noise, most often a material that changes faster than its samples tell. So g excuses
@@ -40,10 +42,8 @@ _IMAGINED = 5.0
 _LEAST, _MOST = 0.003, 0.25
 # Relative, where columns lack entries of others: far below what a step moves.
 _PRECISE = 1e-6
-# No responsibility moves by more: nothing is left to do.
-_STILL = 1e-3
-# Share of s by which the result, root mean square over the samples, may move in the last step.
-_SETTLED = 0.25
+# A step that makes the left-out rows no likelier than this, ln, a believed row, is the last one.
+_WORTH = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +59,11 @@ class Belief:
     """u (n,)."""
     unevenness: Unevenness = field(default_factory=Unevenness)
     """g, how much larger s^2 is in some places."""
+
+    @property
+    def count(self) -> float:
+        """How many rows are believed."""
+        return float(self.responsibility.sum())
 
     def take(self, index: IntArray) -> Belief:
         """Return what is believed of some of the rows."""
@@ -112,29 +117,18 @@ def refine(
 ) -> Explanation:
     """Return the explanation that `belief` leads to, for ln f_r = base (n,) + what is unknown.
 
-    `weighted` gives the posterior of the unknown for weights (n,). It is settled if the last
-    step moved the result by a quarter of the noise at most.
+    `weighted` gives the posterior of the unknown for weights (n,). It is settled when another
+    step makes the left-out rows no likelier to speak of; `steps` are the most that are taken.
     """
-    before: Explanation | None = None
+    best: Explanation | None = None
     for step, last in enumerate(_states(data, base, weighted, belief), start=1):
-        if step >= steps or (before is not None and _still(before, last)):
+        last = replace(last, steps=step)
+        if best is not None and last.score - best.score < _WORTH * last.belief.count:
+            return replace(max(best, last, key=lambda found: found.score), settled=True)
+        best = last
+        if step >= steps:
             break
-        before = last
-    settled = before is not None and _moved(before, last) < _SETTLED
-    return replace(last, steps=step, settled=settled)
-
-
-def _still(before: Explanation, last: Explanation) -> bool:
-    """Whether everybody is believed as before, at the same noise."""
-    change = last.belief.responsibility - before.belief.responsibility
-    same_width = abs(last.belief.width / before.belief.width - 1.0) < 0.02
-    return same_width and float(np.abs(change).max(initial=0.0)) < _STILL
-
-
-def _moved(before: Explanation, last: Explanation) -> float:
-    """Return how far the result moved at the samples, root mean square, in units of s."""
-    change = last.mean - before.mean
-    return float(np.sqrt(np.mean(change**2)) / last.belief.width) if change.size else 0.0
+    return last
 
 
 def _states(

@@ -55,8 +55,8 @@ class Search:
     starts: int = 6
     first_steps: int = 12
     screening_steps: int = 3
-    second_steps: int = 8
-    last_steps: int = 4
+    second_steps: int = 16
+    last_steps: int = 8
     screening_rows: int = 500
     screening_channels: int = 6
     """Samples and channels that kernels are compared on, evenly drawn."""

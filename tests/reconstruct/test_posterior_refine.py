@@ -1,0 +1,67 @@
+"""A refinement of `Posterior` ends where left-out samples become no likelier, and says so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from brdfit.linalg import CovariancePosterior
+from brdfit.reconstruct import Outcome, Posterior
+from brdfit.reconstruct.posterior.measurements import Measurements
+from brdfit.reconstruct.posterior.refine import refine
+from brdfit.reconstruct.posterior.stages import FREEDOM, everybody
+
+MANY = 60
+
+
+@pytest.fixture
+def uneven():
+    """Return rows along a line, a quarter of them forty times as noisy, and what they hang on."""
+    rng = np.random.default_rng(3)
+    n = 200
+    x = np.sort(rng.uniform(0.0, 1.0, n))
+    gram = np.exp(-0.5 * ((x[:, None] - x) / 0.1) ** 2)
+    noise = np.where(x > 0.75, 0.2, 0.005)
+    y = (np.sin(7.0 * x) + noise * rng.normal(size=n))[:, None]
+    true = np.ones(y.shape, dtype=bool)
+    rows = np.arange(n)
+    data = Measurements(rows, rows, y, true, ~true, np.zeros(n), np.zeros((n, 1)))
+    belief = everybody(data)
+    mixture = replace(belief.mixture, freedom=FREEDOM)
+    belief = replace(belief, width=0.25, mixture=mixture)
+    return partial(refine, data, np.zeros(n), partial(CovariancePosterior.of, gram), belief)
+
+
+def test_at_rest_another_step_is_worth_next_to_nothing(uneven):
+    found = uneven(MANY)
+    assert found.settled
+    assert found.steps < MANY
+    longest = max(uneven(steps).score for steps in range(found.steps, found.steps + 3))
+    assert longest - found.score < 0.02 * found.belief.count
+
+
+def test_it_does_not_stop_while_samples_become_likelier(uneven):
+    found = uneven(MANY)
+    scores = [uneven(steps).score for steps in range(1, found.steps)]
+    assert np.diff(scores).min() > 0.0
+    assert found.score >= max(scores)
+
+
+def test_a_limit_that_comes_first_is_told(uneven):
+    cut = uneven(2)
+    assert not cut.settled
+    assert cut.steps == 2
+
+
+def test_a_fit_of_samples_that_scatter_unevenly_comes_to_rest(toy, measure):
+    samples = measure(n=400, noise=0.0)
+    rng = np.random.default_rng(5)
+    size = np.where(samples.wi[:, 2] < 0.6, 0.2, 0.005)
+    spread = np.exp(size * rng.normal(size=len(samples)))[:, None]
+    result = Posterior(population=toy.without(["m4"])).fit(
+        samples.with_value(samples.value * spread)
+    )
+    assert result.outcome is Outcome.CONVERGED
