@@ -83,8 +83,13 @@ def steps() -> dict[str, Callable[[], object]]:
 
     rows, columns, few = single(550_000, 171), single(171, 3), single(6_000, 3)
     logs, cells, row_of = single(3, ring), single(ring, 3), np.sort(rng.integers(6_000, size=ring))
-    highest, nodes, scale = np.full(ring, 30, np.float32), single(3, 45, 180), single(90, 180)
-    between = slab_cells.Between.of(np.repeat(np.eye(45, dtype=np.float32), 2, axis=0))
+    highest, kind = np.full(ring, 30, np.float32), np.zeros((1, 90), dtype=np.int32)
+    coarse, shift = single(1, 45, 36 * 3), np.zeros(180 * 3, dtype=np.float32)
+    along_d, along_phi = (
+        slab_cells.Between.of(np.repeat(np.eye(nodes, dtype=np.float32), times, axis=0))
+        for nodes, times in ((45, 2), (36, 5))
+    )
+    lines = slab_cells.Lines(along_d, along_phi, single(1, 180), highest[None, :180]).each(3)
 
     def each(step: Callable[[], object]) -> Callable[[], object]:
         return lambda: [step() for _ in range(h)]
@@ -92,10 +97,8 @@ def steps() -> dict[str, Callable[[], object]]:
     return {
         "product": lambda: thin_product(rows, columns),
         "rows to cells": each(lambda: slab_cells.add_rows(logs.copy(), few, row_of, few[0])),
-        "blend and exponentials": each(
-            lambda: slab_cells.put_blended(
-                nodes[None], between, scale[None], few[0], highest[None], cells[None]
-            )
+        "lines": each(
+            lambda: slab_cells.put_lines(coarse, lines, kind, shift, cells.reshape(1, 90, -1))
         ),
         "exponentials": each(lambda: slab_cells.put_values(logs.copy(), highest, cells)),
     }
@@ -123,9 +126,9 @@ def first() -> float:
     started = time.perf_counter()
     thin_product(one, one)
     slab_cells.add_rows(one.copy(), one, row, one[0])
-    between, four = slab_cells.Between.of(one), np.ones((4, 1), dtype=np.float32)
-    here = one[None]
-    slab_cells.put_blended(here[None], between, here, one[0, :1], four.T, four[None])
+    between = slab_cells.Between.of(one)
+    lines = slab_cells.Lines(between, between, one, one)
+    slab_cells.put_lines(one[None], lines, row[None].astype(np.int32), one[0], one[None].copy())
     slab_cells.put_values(one.copy(), one[0], one.copy())
     return round(time.perf_counter() - started, 2)
 

@@ -11,12 +11,13 @@ from brdfit.progress import silent
 from brdfit.reconstruct import Compact, Posterior, slab_cells, slabs
 from brdfit.reconstruct.slab_cells import (
     Between,
+    Lines,
     add_rows,
-    blended,
     loops_if_compiled,
     plain_add_rows,
+    plain_put_lines,
     plain_put_values,
-    put_blended,
+    put_lines,
     put_values,
 )
 
@@ -86,22 +87,34 @@ def test_the_exponential_is_one_at_zero_and_as_good_everywhere(compiled):
     assert np.allclose(found[:, 0], np.exp(logs.astype(np.float64)), rtol=1.2e-7, atol=0.0)
 
 
+def test_what_lies_between_is_read_off_a_matrix_that_wraps_around():
+    matrix = np.array([[1, 0, 0], [0.25, 0.75, 0], [0, 0, 1], [0.5, 0, 0.5]], dtype=np.float32)
+    found, nodes = Between.of(matrix), np.array([1.0, 10.0, 100.0], dtype=np.float32)
+    one, other = nodes[found.low], nodes[found.high]
+    assert np.array_equal(found.weight[0] * one + found.weight[1] * other, matrix @ nodes)
+    two = np.stack([nodes, -nodes], axis=1).reshape(-1)
+    each = found.each(2)
+    both = each.weight[0] * two[each.low] + each.weight[1] * two[each.high]
+    assert np.array_equal(both.reshape(-1, 2), np.stack([matrix @ nodes, -matrix @ nodes], axis=1))
+
+
 @CHANNELS
-def test_a_blend_is_linear_between_nodes_then_scaled_and_shifted(rng, channels):
-    matrix = np.zeros((5, 4), dtype=np.float32)
-    matrix[[0, 1, 2, 3, 4], [0, 0, 1, 2, 3]] = [1.0, 0.25, 0.5, 1.0, 1.0]
-    matrix[1, 1], matrix[2, 2] = 0.75, 0.5
-    nodes, scale = single(rng, 2, channels, 4, 21), single(rng, 2, 5, 21)
-    constant, between = single(rng, channels), Between.of(matrix)
-    logs = np.einsum("dm,hcmp->hcdp", matrix, nodes) * scale[:, None] + constant[:, None, None]
-    logs = logs.reshape(2, channels, -1)
-    assert np.allclose(blended(nodes, between, scale, constant), logs, atol=1e-5)
-    highest = np.where(rng.random((2, 105)) < 0.7, 30.0, -np.inf).astype(np.float32)
-    expected, found = (np.empty((2, 105, channels), dtype=np.float32) for _ in range(2))
-    put_blended(nodes, between, scale, constant, highest, found)
-    for ring in range(2):
-        plain_put_values(logs[ring], highest[ring], np.float32(-30.0), expected[ring])
-    assert np.allclose(found, expected, rtol=1e-5, atol=0.0)
+def test_a_line_is_linear_between_nodes_then_scaled_shifted_and_put(rng, channels):
+    to_d, to_phi = np.zeros((5, 4), dtype=np.float32), np.zeros((21, 7), dtype=np.float32)
+    to_d[[0, 1, 1, 2, 2, 3, 4], [0, 0, 1, 1, 2, 2, 3]] = [1.0, 0.25, 0.75, 0.5, 0.5, 1.0, 1.0]
+    for place in range(21):
+        to_phi[place, [place // 3, (place // 3 + 1) % 7]] = 1 - place % 3 / 3, place % 3 / 3
+    nodes, constant = single(rng, 2, 4, 7, channels), single(rng, channels)
+    scale, kind = single(rng, 3, 21), rng.integers(3, size=(2, 5)).astype(np.int32)
+    highest = np.where(rng.random((3, 21)) < 0.7, 1.0, -np.inf).astype(np.float32)
+    logs = np.einsum("dm,pq,hmqc->hdpc", to_d, to_phi, nodes) * scale[kind][..., None] + constant
+    most = highest[kind][..., None]
+    expected = np.where(most > 0.0, np.exp(np.minimum(logs, most)), 0.0).reshape(2, 5, -1)
+    lines = Lines(Between.of(to_d), Between.of(to_phi), scale, highest).each(channels)
+    for way in (put_lines, plain_put_lines):
+        found = np.full((2, 5, 21 * channels), np.nan, dtype=np.float32)
+        way(nodes.reshape(2, 4, -1), lines, kind, np.tile(constant, 21), found)
+        assert np.allclose(found, expected, rtol=1e-5, atol=0.0)
 
 
 # --- tables ---------------------------------------------------------------------------------

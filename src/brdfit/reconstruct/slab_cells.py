@@ -15,18 +15,21 @@ import numpy as np
 from brdfit.arrays import FloatArray, IntArray
 
 __all__ = [
+    "HIGHEST",
+    "LOWEST",
     "Between",
+    "Lines",
     "add_rows",
-    "blended",
     "loops_if_compiled",
     "plain_add_rows",
+    "plain_put_lines",
     "plain_put_values",
-    "put_blended",
+    "put_lines",
     "put_values",
 ]
 
-# ln f_r: the lowest that is written.
-_LOWEST = np.float32(-30.0)
+LOWEST, HIGHEST = np.float32(-30.0), np.float32(30.0)
+"""ln f_r: what is written stays within what a float32 and a renderer can hold."""
 # Channels up to which one after the other is faster than all in their order.
 _FEW = 4
 
@@ -46,59 +49,85 @@ def put_values(logs: FloatArray, highest: FloatArray, cells: FloatArray) -> None
     `highest` (n,) is the largest that ln f_r may be; -inf where there is nothing: f_r is 0.
     """
     loops = loops_if_compiled()
-    (plain_put_values if loops is None else loops.put_values)(logs, highest, _LOWEST, cells)
+    (plain_put_values if loops is None else loops.put_values)(logs, highest, LOWEST, cells)
 
 
 @dataclass(frozen=True, eq=False)
 class Between:
-    """Places along an axis, each between two neighbouring nodes."""
+    """Places along an axis, each between two nodes of it."""
 
-    matrix: FloatArray
-    """(d, m), float32: what linear interpolation makes of m nodes; a row has two numbers."""
     low: IntArray
-    """(d,) the lower node"""
+    """(n,), int32: one of the nodes..."""
+    high: IntArray
+    """(n,), int32: ...and the other."""
     weight: FloatArray
-    """(d, 2), float32: of the lower, and of the one above it"""
+    """(2, n), float32: of the one, and of the other."""
 
     @classmethod
     def of(cls, matrix: FloatArray) -> Between:
-        """Return those that a matrix describes."""
-        low = np.minimum((matrix != 0.0).argmax(axis=1), matrix.shape[1] - 2)
-        weight = np.take_along_axis(matrix, low[:, None] + np.arange(2), axis=1)
-        return cls(matrix, low, weight)
+        """Return those that a matrix (n, nodes) describes: a row has at most two numbers."""
+        there, at = matrix != 0.0, np.arange(len(matrix))
+        low = there.argmax(axis=1)
+        high = matrix.shape[1] - 1 - there[:, ::-1].argmax(axis=1)
+        weight = np.stack([matrix[at, low], np.where(high > low, matrix[at, high], 0.0)])
+        return cls(low.astype(np.int32), high.astype(np.int32), weight.astype(np.float32))
+
+    def each(self, channels: int) -> Between:
+        """Return the same along nodes that have so many numbers, one beside the other."""
+        channel = np.arange(channels, dtype=np.int32)
+        low, high = (
+            (at[:, None] * np.int32(channels) + channel).reshape(-1) for at in (self.low, self.high)
+        )
+        return Between(low, high, np.repeat(self.weight, channels, axis=1))
 
 
-def blended(
-    nodes: FloatArray, between: Between, scale: FloatArray, constant: FloatArray
-) -> FloatArray:
-    """Return scale (h, d, phi) times nodes (h, channels, m, phi) blended along theta_d, and more.
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """How cells come from nodes, one theta_d after the other: a line is what has one theta_d.
 
-    More is a constant (channels,). The result is (h, channels, d * phi), all of it float32.
+    There are a few kinds of lines: those that the horizon cuts at the same phi_d are the same.
     """
-    result = np.asarray(np.matmul(between.matrix, nodes))
-    result *= scale[:, None]
-    result += constant[:, None, None]
-    return result.reshape(*nodes.shape[:2], -1)
+
+    along_d: Between
+    along_phi: Between
+    scale: FloatArray
+    """(kinds, phi), float32: what ln f_r is multiplied by."""
+    highest: FloatArray
+    """(kinds, phi), float32: the largest that it may be; -inf where there is nothing: f_r is 0."""
+
+    def each(self, channels: int) -> Lines:
+        """Return the same for cells and nodes of so many channels."""
+        scale, highest = (np.repeat(a, channels, axis=1) for a in (self.scale, self.highest))
+        return Lines(self.along_d, self.along_phi.each(channels), scale, highest)
 
 
-def put_blended(
-    nodes: FloatArray,
-    between: Between,
-    scale: FloatArray,
-    constant: FloatArray,
-    highest: FloatArray,
-    cells: FloatArray,
+def put_lines(
+    nodes: FloatArray, lines: Lines, kind: IntArray, constant: FloatArray, cells: FloatArray
 ) -> None:
-    """Do `put_values` to what is `blended`: highest (h, d * phi), cells (h, d * phi, channels)."""
+    """Put f_r into cells (rings, d, phi); ln f_r is scale times what is between nodes, and more.
+
+    More is a constant (phi,), the nodes are (rings, d nodes, phi nodes), `kind` (rings, d) says
+    of which kind each line is. All are float32; phi stands for phi and channels (`Lines.each`).
+    """
+    d, phi = lines.along_d, lines.along_phi
     loops = loops_if_compiled()
-    if loops is not None:
-        low, weight = between.low, between.weight
-        loops.put_blended(nodes, low, weight, scale, constant, highest, _LOWEST, cells)
+    if loops is None:
+        plain_put_lines(nodes, lines, kind, constant, cells)
         return
-    for ring in range(len(nodes)):
-        one = slice(ring, ring + 1)
-        logs = blended(nodes[one], between, scale[one], constant)[0]
-        put_values(logs, highest[ring], cells[ring])
+    between = (d.low, d.high, d.weight, phi.low, phi.high, phi.weight)
+    loops.put_lines(nodes, *between, kind, lines.scale, lines.highest, constant, LOWEST, cells)
+
+
+def plain_put_lines(
+    nodes: FloatArray, lines: Lines, kind: IntArray, constant: FloatArray, cells: FloatArray
+) -> None:
+    """`put_lines` by array operations."""
+    d, phi = lines.along_d, lines.along_phi
+    around = phi.weight[0] * nodes[..., phi.low] + phi.weight[1] * nodes[..., phi.high]
+    one, other = (weight[:, None] for weight in d.weight)
+    logs = one * around[:, d.low] + other * around[:, d.high]
+    logs = logs * lines.scale[kind] + constant
+    np.exp(np.clip(logs, LOWEST, lines.highest[kind]), out=cells)
 
 
 def plain_add_rows(

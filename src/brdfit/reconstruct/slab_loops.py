@@ -16,7 +16,7 @@ import numpy as np
 
 from brdfit.linalg.compiled import compiled
 
-__all__ = ["add_rows", "put_blended", "put_values"]
+__all__ = ["add_rows", "put_lines", "put_values"]
 
 _BLOCK = 256
 _PER_LN2 = np.float32(1.44269504088896341)
@@ -69,34 +69,40 @@ def put_values(
 
 
 @compiled
-def put_blended(
+def put_lines(
     nodes: np.ndarray,
+    low_d: np.ndarray,
+    high_d: np.ndarray,
+    weight_d: np.ndarray,
     low: np.ndarray,
+    high: np.ndarray,
     weight: np.ndarray,
+    kind: np.ndarray,
     scale: np.ndarray,
-    constant: np.ndarray,
     highest: np.ndarray,
+    constant: np.ndarray,
     lowest: np.float32,
     cells: np.ndarray,
 ) -> None:
-    """Blend, and put the values, one theta_d after the other."""
-    size = scale.shape[2]
-    # Two: what is read from where it is written to cannot go through whole registers.
-    logs, found = np.empty(size, dtype=np.float32), np.empty(size, dtype=np.float32)
+    """Put the lines: the nodes of a theta_h to all phi first, then each theta_d between them."""
+    size = len(constant)
+    around = np.empty((nodes.shape[1], size), dtype=np.float32)
+    # What is read from where it is written to cannot go through whole registers.
+    logs = np.empty(size, dtype=np.float32)
     for ring in range(len(nodes)):
-        for place in range(len(low)):
-            at, share, rest = low[place], weight[place, 0], weight[place, 1]
-            start, factor = place * size, scale[ring, place]
-            limit = highest[ring, start : start + size]
-            for channel in range(len(constant)):
-                one, other = nodes[ring, channel, at], nodes[ring, channel, at + 1]
-                more = constant[channel]
-                for cell in range(size):
-                    logs[cell] = (share * one[cell] + rest * other[cell]) * factor[cell] + more
-                _exponentials(logs, limit, lowest, found)
-                values = cells[ring, start : start + size, channel]
-                for cell in range(size):
-                    values[cell] = found[cell]
+        for node in range(len(around)):
+            values, line = nodes[ring, node], around[node]
+            for cell in range(size):
+                one, other = values[np.uintp(low[cell])], values[np.uintp(high[cell])]
+                line[cell] = weight[0, cell] * one + weight[1, cell] * other
+        for place in range(len(low_d)):
+            before, after = around[low_d[place]], around[high_d[place]]
+            share, rest = weight_d[0, place], weight_d[1, place]
+            factor = scale[kind[ring, place]]
+            for cell in range(size):
+                mean = share * before[cell] + rest * after[cell]
+                logs[cell] = mean * factor[cell] + constant[cell]
+            _exponentials(logs, highest[kind[ring, place]], lowest, cells[ring, place])
 
 
 @compiled

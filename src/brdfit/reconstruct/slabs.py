@@ -12,29 +12,28 @@ from brdfit.arrays import FloatArray, frozen
 from brdfit.grid import Grid
 from brdfit.linalg import side_by_side
 from brdfit.progress import Progress
+from brdfit.reconstruct.slab_cells import HIGHEST
 
-__all__ = ["Carried", "Put", "along_theta_h", "filled"]
+__all__ = ["Carried", "Put", "along_theta_h", "filled", "highest"]
 
-Put = Callable[[slice, FloatArray, FloatArray], None]
-"""Puts f_r of some theta_h into cells (rings, d * phi, channels), float32, given the highest
-ln f_r of each (rings, d * phi): -inf below the horizon. Called from two threads."""
+Put = Callable[[slice, FloatArray], None]
+"""Puts f_r of some theta_h into cells (rings, d * phi, channels), float32; 0 below the horizon.
+Called from two threads."""
 
 _LABEL = "dense result"
 # Values of theta_h at once: few enough for the cache, and many enough that two threads seldom
 # wait for one another to be let into the interpreter.
 _TOGETHER = 5
-# ln f_r: what is written stays below what a float32 and a renderer can hold.
-_HIGHEST = 30.0
 
 
 def filled(grid: Grid, channels: int, put: Put, progress: Progress) -> FloatArray:
     """Return f_r (*grid.shape, channels), float32, 0 below the horizon."""
     result = np.empty((*grid.shape, channels), dtype=np.float32)
-    cells, highest = result.reshape(grid.n_theta_h, -1, channels), _highest(grid)
+    cells = result.reshape(grid.n_theta_h, -1, channels)
 
     def fill(number: int) -> None:
         rings = slice(number * _TOGETHER, min((number + 1) * _TOGETHER, grid.n_theta_h))
-        put(rings, highest[rings], cells[rings])
+        put(rings, cells[rings])
 
     progress(_LABEL, 0, grid.n_theta_h)
     side_by_side(fill, -(-grid.n_theta_h // _TOGETHER))
@@ -43,10 +42,13 @@ def filled(grid: Grid, channels: int, put: Put, progress: Progress) -> FloatArra
 
 
 @lru_cache(maxsize=4)
-def _highest(grid: Grid) -> FloatArray:
-    """Return the largest that ln f_r of each cell may be, (h, d * phi), float32."""
-    highest = np.where(grid.above_horizon, _HIGHEST, -np.inf)
-    return frozen(highest.reshape(grid.n_theta_h, -1), np.float32)
+def highest(grid: Grid) -> FloatArray:
+    """Return the largest that ln f_r of each cell may be, (h, d * phi), float32.
+
+    It is -inf below the horizon.
+    """
+    most = np.where(grid.above_horizon, HIGHEST, np.float32(-np.inf))
+    return frozen(most.reshape(grid.n_theta_h, -1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,8 @@ import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.grid import Grid
-from brdfit.reconstruct.slab_cells import Between, blended, put_blended, put_values
-from brdfit.reconstruct.slabs import Carried, Put, along_theta_h
+from brdfit.reconstruct.slab_cells import HIGHEST, LOWEST, Between, Lines, put_lines
+from brdfit.reconstruct.slabs import Carried, Put, along_theta_h, highest
 from brdfit.table import Table
 
 __all__ = ["Carriage", "Corners", "interpolated"]
@@ -83,12 +83,10 @@ class Carriage:
     """(grid.size,) row of each flat cell, and the row after the last of those below the horizon."""
     to_h: FloatArray
     """(h, nodes), float32"""
-    between_d: Between
-    """Nodes along theta_d."""
-    to_phi: FloatArray
-    """(nodes, phi), float32"""
-    scale: FloatArray
-    """(h, d, phi) one over the weight above the horizon; 0 for the odd cells."""
+    lines: Lines
+    """Their scale is one over the weight above the horizon; 0 for the odd cells."""
+    kind: IntArray
+    """(h, d), int32: of each line"""
     odd: IntArray
     """Flat cells that hardly have any, ascending."""
     first: IntArray
@@ -103,22 +101,23 @@ class Carriage:
     def between(grid: Grid, other: Grid) -> Carriage:
         """Return what carries from one grid to another, made once."""
         # Where nodes coincide their weights are 1 and 0, not nearly so.
-        h, d, phi = (np.round(m, _DECIMALS).astype(np.float32) for m in grid.linear(other))
-        there = grid.above_horizon[:, None].astype(np.float32)
-        carried = Carried.of(there, h, d, phi)
+        h, d, phi = (np.round(matrix, _DECIMALS) for matrix in grid.linear(other))
+        carried = Carried.of(grid.above_horizon[:, None].astype(np.float64), h, d, phi)
         total = np.stack([carried.at(i)[0] for i in range(other.n_theta_h)])
         hardly = total < _HARDLY
         odd = np.flatnonzero(hardly & other.above_horizon)
+        scale = np.divide(1.0, total, out=np.zeros_like(total), where=~hardly)
+        lines = np.stack([scale, highest(other).reshape(other.shape)], axis=2, dtype=np.float32)
+        kinds, kind = np.unique(lines.reshape(-1, 2, other.n_phi_d), axis=0, return_inverse=True)
         ring = other.n_theta_d * other.n_phi_d
         row_of = np.full(grid.size, grid.cells.size)
         row_of[grid.cells] = np.arange(grid.cells.size)
         return Carriage(
             grid,
             row_of,
-            h,
-            Between.of(d),
-            np.ascontiguousarray(phi.T),
-            np.divide(1.0, total, out=np.zeros_like(total), where=~hardly),
+            h.astype(np.float32),
+            Lines(Between.of(d), Between.of(phi), kinds[:, 0], kinds[:, 1]),
+            kind.reshape(other.shape[:2]).astype(np.int32),
             odd,
             np.searchsorted(odd, np.arange(other.n_theta_h + 1) * ring),
             *Corners.of(grid).at(*other.half_diff(odd)),
@@ -130,31 +129,28 @@ class Carriage:
         The values are those of a table (cells + 1, c), float32, whose last row is 0, and a
         constant (c,).
         """
-        nodes_at, shift = self._nodes(table), constant.astype(np.float32)
+        nodes_at, lines = self._nodes(table), self.lines.each(table.shape[1])
+        shift = np.tile(constant.astype(np.float32), self.lines.scale.shape[1])
 
-        def put(rings: slice, highest: FloatArray, cells: FloatArray) -> None:
-            around = np.matmul(nodes_at(rings), self.to_phi)
-            scale = self.scale[rings]
+        def put(rings: slice, cells: FloatArray) -> None:
+            kind = self.kind[rings]
+            in_lines = cells.reshape(*kind.shape, -1)
+            put_lines(nodes_at(rings), lines, kind, shift, in_lines)
             odd = slice(self.first[rings.start], self.first[rings.stop])
-            if odd.start == odd.stop:
-                put_blended(around, self.between_d, scale, shift, highest, cells)
-                return
-            values = blended(around, self.between_d, scale, shift)
-            ring, cell = np.divmod(self.odd[odd], values.shape[2])
-            alone = interpolated(table, self.index[odd], self.weight[odd]) + constant
-            values[ring - rings.start, :, cell] = alone
-            for logs, most, found in zip(values, highest, cells, strict=True):
-                put_values(logs, most, found)
+            if odd.start < odd.stop:
+                ring, cell = np.divmod(self.odd[odd], cells.shape[1])
+                alone = interpolated(table, self.index[odd], self.weight[odd]) + constant
+                cells[ring - rings.start, cell] = np.exp(np.clip(alone, LOWEST, HIGHEST))
 
         return put
 
     def _nodes(self, table: FloatArray) -> Callable[[slice], FloatArray]:
-        """Return what gives a table (rings, c, d nodes, phi nodes) at theta_h of the other grid."""
+        """Return what gives a table (rings, d nodes, phi nodes * c) at the other theta_h."""
         of_ring = self.row_of.reshape(self.grid.n_theta_h, -1)
 
         def at_own(rings: slice) -> FloatArray:
-            rows = table.take(of_ring[rings], axis=0, mode="clip").swapaxes(1, 2)
-            return np.ascontiguousarray(rows).reshape(*rows.shape[:2], *self.grid.shape[1:])
+            nodes = table.take(of_ring[rings], axis=0, mode="clip")
+            return nodes.reshape(len(nodes), self.grid.n_theta_d, -1)
 
         if len(self.to_h) == len(of_ring) and np.array_equal(self.to_h, np.eye(len(of_ring))):
             return at_own

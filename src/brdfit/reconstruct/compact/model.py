@@ -11,12 +11,10 @@ from brdfit.grid import Grid
 from brdfit.linalg import CoefficientPosterior
 from brdfit.progress import Progress
 from brdfit.reconstruct.compact.basis import LeadingBasis
+from brdfit.reconstruct.slab_cells import HIGHEST, LOWEST
 from brdfit.reconstruct.slabs import filled
 
 __all__ = ["CompactModel"]
-
-# ln f_r: what is written stays within what a float32 and a renderer can hold.
-_LOWEST, _HIGHEST = -30.0, 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +29,7 @@ class CompactModel:
     def evaluate(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return f_r (n, c), 1/sr, at directions above the horizon."""
         log = self.basis.log_value(self.coefficients, wi, wo)
-        return np.exp(np.clip(log, _LOWEST, _HIGHEST))
+        return np.exp(np.clip(log, LOWEST, HIGHEST))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
         """Return f_r (*grid.shape, c), 1/sr, float32; 0 below the horizon."""

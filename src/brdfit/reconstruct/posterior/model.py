@@ -21,7 +21,7 @@ from brdfit.reconstruct.posterior.principal import PrincipalBasis
 from brdfit.reconstruct.posterior.refine import Belief
 from brdfit.reconstruct.posterior.stages import Winner
 from brdfit.reconstruct.slab_cells import add_rows, put_values
-from brdfit.reconstruct.slabs import filled
+from brdfit.reconstruct.slabs import filled, highest
 
 __all__ = ["PosteriorModel"]
 
@@ -56,16 +56,17 @@ class PosteriorModel:
         components = self.basis.on_grid(grid, progress)
         local = residual_on_grid(system.kernel, grid, system.centres, solution.local)
         detail = None if self.detail is None else self.detail.on_grid(grid)
+        most = highest(grid)
 
-        def put(rings: slice, highest: FloatArray, cells: FloatArray) -> None:
-            for i, most, values in zip(range(rings.start, rings.stop), highest, cells, strict=True):
+        def put(rings: slice, cells: FloatArray) -> None:
+            for i, values in zip(range(rings.start, rings.stop), cells, strict=True):
                 logs = local.at(i)
                 if detail is not None:
                     logs += detail.at(i)
                 logs = logs.reshape(len(logs), -1)
                 rows, row_of = components.ring(i)
                 add_rows(logs, thin_product(rows, combination), row_of, constant)
-                put_values(logs, most, values)
+                put_values(logs, most[i], values)
 
         return filled(grid, solution.local.shape[1], put, progress)
 
