@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,11 +12,18 @@ from brdfit.report.channels import channels_in_words
 from brdfit.report.coverage import coverage_of
 
 if TYPE_CHECKING:
-    from brdfit.arrays import BoolArray
+    from brdfit.arrays import BoolArray, IntArray
     from brdfit.samples import Samples
     from brdfit.table import Table
 
-__all__ = ["first_rows", "samples_lines", "samples_record", "table_lines", "table_record"]
+__all__ = [
+    "first_rows",
+    "rows_in_words",
+    "samples_lines",
+    "samples_record",
+    "table_lines",
+    "table_record",
+]
 
 _ROWS_SHOWN = 5
 
@@ -23,7 +31,11 @@ _ROWS_SHOWN = 5
 def first_rows(samples: Samples, chosen: BoolArray) -> str:
     """Return "rows 3, 8, 21, ...": where the first few of `chosen` stand in the file."""
     index = np.flatnonzero(chosen)
-    rows = index + 1 if samples.rows is None else samples.rows[index]
+    return rows_in_words(index + 1 if samples.rows is None else samples.rows[index])
+
+
+def rows_in_words(rows: Sequence[int] | IntArray) -> str:
+    """Return "rows 3, 8, 21, ..." of numbers that are known already."""
     shown = ", ".join(str(row) for row in rows[:_ROWS_SHOWN])
     more = ", ..." if len(rows) > _ROWS_SHOWN else ""
     return f"row{'s' if len(rows) > 1 else ''} {shown}{more}"

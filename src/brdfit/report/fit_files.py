@@ -21,7 +21,7 @@ from brdfit.report.samples_csv import Judged, read_samples_csv
 from brdfit.report.uncertainty import Uncertainty
 from brdfit.table import Table
 
-__all__ = ["FitFiles", "read_fit"]
+__all__ = ["FitFiles", "kept_record", "read_fit"]
 
 # Interpolation in the table moves ln f by less than this at most samples.
 _ALIKE = 0.05
@@ -96,6 +96,16 @@ def _doubts(
     if not classes or judged is None:
         return uncertainty, None
     return uncertainty, KeptTrust.from_record(classes, judged, uncertainty, where)
+
+
+def kept_record(path: Path) -> dict[str, Any] | None:
+    """Return the record of a fit that the file at `path` is; None if it is something else."""
+    if path.suffix.lower() != ".json" or not path.is_file():
+        return None
+    # damaged JSON is a matter for the readers of measurements, which may be told what it is
+    with suppress(CorruptFile):
+        return _content(path)
+    return None
 
 
 def _record_beside(path: Path) -> Path | None:

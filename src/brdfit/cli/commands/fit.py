@@ -146,6 +146,7 @@ def fit_and_write(
     limit_albedo: bool = False,
 ) -> tuple[Reconstruction, FitOutputs]:
     """Report on `samples`, fit them, write the outputs, and say how it all ended."""
+    from brdfit.cli.fit_lines import fit_lines
     from brdfit.cli.summary import samples_lines
     from brdfit.reconstruct import fit
     from brdfit.report.fit_outputs import write_fit
@@ -154,7 +155,7 @@ def fit_and_write(
         console.say(line)
     with console.progress() as progress:
         result = fit(samples, method=method, progress=progress)
-    for line in result_lines(result):
+    for line in fit_lines(result.record()):
         console.say(line)
     if not result.outcome.ok:
         console.warn("FitWarning", f"{result.outcome.value}: {result.outcome.advice}")
@@ -181,41 +182,3 @@ def _say_albedo(outputs: FitOutputs, console: Console) -> None:
         console.say(f"              {outputs.limited.sentence}")
     else:
         console.warn("FitWarning", outputs.limited.sentence)
-
-
-def result_lines(result: Reconstruction) -> list[str]:
-    """Return how the fit ended, what it takes for outliers, and the residuals."""
-    from brdfit.cli.summary import first_rows
-
-    record = result.record()
-    lines = [f"fit by {result.method.name}{_leaning(result)}"]
-    plural = "" if result.iterations == 1 else "s"
-    after = f" after {result.iterations} iteration{plural}" if result.iterations else ""
-    lines.append(f"  ended       {result.outcome.value}{after}. {result.outcome.advice}")
-    count = int(result.outliers.sum())
-    used = int(result.samples.usable.any(axis=1).sum())
-    where = f": {first_rows(result.samples, result.outliers)}" if count else ""
-    lines.append(f"  outliers    {count} of {used} samples ({count / max(used, 1):.1%}){where}")
-    lines.append(f"  rule        {result.outlier_rule}")
-    before, now, clean = (
-        record["residuals"][key] for key in ("before", "after", "after_without_outliers")
-    )
-    # A method without an initial estimate has nothing to be compared with.
-    course = _number(now) if before == now else f"{_number(before)} before, {_number(now)} after"
-    without = f"({_number(clean)} without the outliers)"
-    lines.append(f"  residuals   median |ln(value / result)| {course} {without}")
-    return lines
-
-
-def _leaning(result: Reconstruction) -> str:
-    name = result.population.get("name")
-    if not name:
-        return ""
-    members = result.population.get("members")
-    count = members if isinstance(members, int) else len(members or ())
-    return f", leaning on {name}" + (f" ({count} members)" if count else "")
-
-
-def _number(summary: dict[str, Any]) -> str:
-    median = summary["median_abs"]
-    return "-" if median is None else f"{median:.3g}"

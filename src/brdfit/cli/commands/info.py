@@ -6,12 +6,12 @@ import argparse
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from brdfit.cli.console import Console
 from brdfit.cli.declaration import add_reading_options, reading_options
 from brdfit.cli.parser import Parser
-from brdfit.errors import UsageError
+from brdfit.errors import CorruptFile, UsageError
 
 if TYPE_CHECKING:
     from brdfit.physics import Health
@@ -21,7 +21,12 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
     """Add what `brdfit info` takes."""
-    parser.add_argument("file", type=Path, metavar="FILE", help="File of samples or a table.")
+    parser.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE",
+        help="File of samples, a table, or the record of a fit.",
+    )
     parser.add_argument("--json", action="store_true", help="Print JSON, for scripts.")
     parser.add_argument(
         "--as",
@@ -47,12 +52,44 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read the file and describe it."""
+    from brdfit.report.fit_files import kept_record
+
+    _check_picture(arguments)
+    kept = kept_record(arguments.file)
+    if kept is None:
+        _tell_of_contents(arguments, console)
+        return
+    if arguments.physics:
+        table = kept.get("outputs", {}).get("table", "its table")
+        raise UsageError(
+            f"{arguments.file}: is the record of a fit; --physics examines a table or samples: "
+            f"name {table} instead."
+        )
+    _tell_of_a_fit(arguments, kept, console)
+
+
+def _tell_of_a_fit(arguments: argparse.Namespace, record: dict[str, Any], console: Console) -> None:
+    from brdfit.cli.fit_lines import kept_fit_lines
+
+    if arguments.json:
+        console.result(json.dumps(record, indent=1))
+        return
+    try:
+        lines = kept_fit_lines(arguments.file.name, record)
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        raise CorruptFile(
+            f"{arguments.file}: is the record of a fit, but {error} is missing or not what a fit "
+            f"writes. Fit again, or use the table without it."
+        ) from error
+    console.result("\n".join(lines))
+
+
+def _tell_of_contents(arguments: argparse.Namespace, console: Console) -> None:
     from brdfit.cli.summary import samples_lines, samples_record, table_lines, table_record
     from brdfit.report.albedo_curve import AlbedoCurve
     from brdfit.report.reading import read_any
     from brdfit.samples import Samples
 
-    _check_picture(arguments)
     content = read_any(arguments.file, reading_options(arguments), arguments.kind)
     if isinstance(content, Samples):
         record, lines = samples_record(content), samples_lines(content)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from brdfit.cli.commands.fit import add_method_options, method_from, result_lines
+from brdfit.cli.commands.fit import add_method_options, method_from
 from brdfit.cli.console import Console
 from brdfit.cli.declaration import add_reading_options, reading_options
 from brdfit.cli.parser import Parser
@@ -106,6 +106,7 @@ def _refuse_method(arguments: argparse.Namespace) -> None:
 
 
 def _fit_first(samples: Samples, arguments: argparse.Namespace, console: Console) -> Fitted:
+    from brdfit.cli.fit_lines import fit_lines
     from brdfit.cli.summary import samples_lines
     from brdfit.reconstruct import fit
     from brdfit.report.fitted import Fitted, UsedFile
@@ -115,7 +116,7 @@ def _fit_first(samples: Samples, arguments: argparse.Namespace, console: Console
     with console.progress() as progress:
         result = fit(samples, method=method_from(arguments), progress=progress)
         fitted = Fitted.of(result, progress)
-    for line in result_lines(result):
+    for line in fit_lines(result.record()):
         console.say(line)
     reading = {name: str(value) for name, value in reading_options(arguments).items()}
     context = {"command": "report", "reading": reading, "warnings": list(console.warnings)}
