@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from brdfit.albedo import Evaluable
     from brdfit.render import Illumination
 
-__all__ = ["Slice", "draw_fit", "slices_of"]
+__all__ = ["Slice", "draw_fit", "label_decades", "slices_of"]
 
 _SPHERE_SIZE = 128
 # Radians between the points of an area light: coarser than for a picture of its own, since
@@ -40,6 +40,8 @@ _PLANE = np.radians(5.0)
 _ANGLE = np.radians(3.0)
 _USUAL = np.radians([15.0, 45.0, 65.0])
 _OUTLIER = "#d02020"
+# Below so many decades of f_r a label at each of them is next to none.
+_FEW_DECADES = 1.5
 
 
 @dataclass(frozen=True)
@@ -237,7 +239,7 @@ def _draw_slice(ax: Any, result: Reconstruction, brdf: Evaluable, one: Slice) ->
     ax.plot([], [], "x", color=_OUTLIER, markersize=5, label="taken for an outlier")
     ax.axvline(np.degrees(one.theta_i), color="#999999", linewidth=0.6, linestyle=":")
     ax.set_yscale("log")
-    ax.minorticks_off()
+    label_decades(ax)
     ax.set_xlim(-90.0, 90.0)
     ax.set_xticks(np.arange(-90, 91, 30))
     _title(ax, f"theta_i = {np.degrees(one.theta_i):.0f}\N{DEGREE SIGN}, plane of incidence")
@@ -245,3 +247,14 @@ def _draw_slice(ax: Any, result: Reconstruction, brdf: Evaluable, one: Slice) ->
     ax.set_ylabel("f_r (1/sr)", fontsize=9)
     ax.tick_params(labelsize=8)
     ax.grid(color="#dddddd", linewidth=0.5)
+
+
+def label_decades(ax: Any) -> None:
+    """Put a label at every decade of f_r, and at 2 and 5 times them where these are few."""
+    ax.minorticks_off()
+    low, high = ax.get_ylim()
+    if np.log10(high / low) < _FEW_DECADES:
+        from matplotlib.ticker import LogLocator
+
+        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        ax.yaxis.set_major_formatter("{x:g}")
