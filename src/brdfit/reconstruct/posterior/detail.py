@@ -25,7 +25,7 @@ from brdfit.linalg import Lattice, node_positions
 from brdfit.progress import Progress, silent
 from brdfit.reconstruct.posterior.calibration import Calibration
 from brdfit.reconstruct.posterior.judging import Crossed, Rows, brought_to_rest
-from brdfit.reconstruct.posterior.kernel import Angles
+from brdfit.reconstruct.posterior.kernel import Angles, taken
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.refine import Belief
 from brdfit.reconstruct.posterior.stages import Judged
@@ -100,7 +100,7 @@ def add_detail(
     if len(data) < FEWEST:
         return None, judged
     some = data.spread_out(MOST)
-    chosen = _taken(angles, some)
+    chosen = taken(angles, some)
     rows = Rows.of(data.take(some), judged.mean[some], chosen)
     if rows.whole.sum() < FEWEST:
         return None, judged
@@ -131,7 +131,7 @@ def _verdict(
     responsibility, mean = np.empty(len(data)), np.empty_like(judged.mean)
     for start in range(0, len(data), _CHUNK):
         rows = np.arange(start, min(start + _CHUNK, len(data)))
-        found = detail.judge(data.take(rows), judged.mean[rows], _taken(angles, rows))
+        found = detail.judge(data.take(rows), judged.mean[rows], taken(angles, rows))
         responsibility[rows], mean[rows] = found.responsibility, found.mean
     responsibility[some] = detail.belief.responsibility
     # Whom population and smooth residual believe is not called wrong: of flakes that are seen
@@ -143,11 +143,6 @@ def _certainty(read: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return v and the local factor, each (n,), of what is read from the lattice (n, c + 2)."""
     v, factor = np.exp(read[:, -2:]).T
     return np.minimum(v, 1.0), factor
-
-
-def _taken(angles: Angles, rows: np.ndarray) -> Angles:
-    theta_h, theta_d, phi_d = angles
-    return theta_h[rows], theta_d[rows], phi_d[rows]
 
 
 def _positions(angles: Angles) -> FloatArray:

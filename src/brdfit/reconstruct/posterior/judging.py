@@ -24,7 +24,8 @@ import numpy as np
 from brdfit.arrays import BoolArray, FloatArray, IntArray
 from brdfit.linalg import Kriged, Neighbours
 from brdfit.progress import Progress, silent
-from brdfit.reconstruct.posterior.kernel import Angles
+from brdfit.reconstruct.coordinates import half_diff_features
+from brdfit.reconstruct.posterior.kernel import Angles, taken
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.refine import Belief
 from brdfit.robust import Mixture
@@ -61,19 +62,13 @@ class Metric:
 
     def places(self, angles: Angles) -> FloatArray:
         """Return (n, 4)."""
-        theta_h, theta_d, phi_d = angles
+        theta_h, theta_d, _ = angles
         r = self.around * np.sin(theta_d)
         if self.fades:
             r = r * np.sin(theta_h)
-        return np.stack(
-            [
-                self.stretch * np.sqrt(theta_h / (np.pi / 2)),
-                theta_d / (np.pi / 2),
-                r * np.cos(2.0 * phi_d),
-                r * np.sin(2.0 * phi_d),
-            ],
-            axis=1,
-        )
+        places = half_diff_features(*angles, radius=r)
+        places[:, 0] *= self.stretch
+        return places
 
 
 _METRICS = (
@@ -226,7 +221,7 @@ def _chosen(
 
     def tried(system: Neighbours, metric: Metric, ratio: float) -> tuple[float, float]:
         system = replace(system, nugget=_nugget(rows, belief, pool, ratio, scale))
-        places = metric.places(tuple(angle[some] for angle in rows.angles))  # type: ignore[arg-type]
+        places = metric.places(taken(rows.angles, some))
         kriged = system.at(places, own)
         square = ((rows.left_over[some] - kriged.mean) ** 2).mean(axis=1)
         shape = kriged.variance + ratio + rows.data.scatter[some] / scale

@@ -23,15 +23,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brdfit.arrays import FloatArray
+from brdfit.arrays import FloatArray, IntArray
 from brdfit.geometry import cos_incident_outgoing
 from brdfit.linalg import side_by_side
 from brdfit.reconstruct.coordinates import half_diff_features
 
-__all__ = ["Angles", "Kernel"]
+__all__ = ["Angles", "Kernel", "taken"]
 
 Angles = tuple[FloatArray, FloatArray, FloatArray]
 """theta_h, theta_d, phi_d, each (n,), radians."""
+
 
 # Values of the kernel worked out together: what is next done to them finds them in the cache.
 _IN_CACHE = 1 << 17
@@ -94,6 +95,12 @@ class Kernel:
         _matern(d, np.empty_like(d))
         d *= self.amplitude**2
         return np.asarray(d)
+
+
+def taken(angles: Angles, index: IntArray) -> Angles:
+    """Return some of the angles."""
+    theta_h, theta_d, phi_d = angles
+    return theta_h[index], theta_d[index], phi_d[index]
 
 
 def _log_height(angles: Angles) -> FloatArray:

@@ -23,7 +23,7 @@ import numpy as np
 from brdfit.arrays import FloatArray
 from brdfit.linalg import CoefficientPosterior
 from brdfit.progress import Progress, silent
-from brdfit.reconstruct.posterior.kernel import Angles, Kernel
+from brdfit.reconstruct.posterior.kernel import Angles, Kernel, taken
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.prior import PopulationPrior, closer, population_prior
 from brdfit.reconstruct.posterior.refine import Belief, Explanation, refine
@@ -86,13 +86,7 @@ class Design:
 
     def take(self, index: np.ndarray) -> Design:
         """Return some of the rows."""
-        theta_h, theta_d, phi_d = self.angles
-        return Design(
-            self.components[index],
-            self.axes,
-            self.weights,
-            (theta_h[index], theta_d[index], phi_d[index]),
-        )
+        return Design(self.components[index], self.axes, self.weights, taken(self.angles, index))
 
     def sizes(self) -> FloatArray:
         """Return the root mean square of each component (q,) at the samples."""

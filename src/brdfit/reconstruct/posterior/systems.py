@@ -23,7 +23,7 @@ import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.linalg import CoefficientPosterior, CovariancePosterior
-from brdfit.reconstruct.posterior.kernel import Angles, Kernel
+from brdfit.reconstruct.posterior.kernel import Angles, Kernel, taken
 from brdfit.reconstruct.posterior.prior import PopulationPrior
 from brdfit.reconstruct.posterior.refine import Posterior
 
@@ -94,8 +94,7 @@ class Sparse:
     @property
     def centres(self) -> Angles:
         """The chosen rows."""
-        theta_h, theta_d, phi_d = self.angles
-        return theta_h[self.chosen], theta_d[self.chosen], phi_d[self.chosen]
+        return taken(self.angles, self.chosen)
 
     @cached_property
     def factor(self) -> FloatArray:
