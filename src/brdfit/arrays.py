@@ -24,6 +24,7 @@ __all__ = [
     "frozen",
     "normalize",
     "safe_arccos",
+    "surely_finite",
 ]
 
 UNIT_TOLERANCE = 1e-3
@@ -64,6 +65,16 @@ def frozen(array: npt.ArrayLike, dtype: npt.DTypeLike | None = None) -> npt.NDAr
     copy = np.array(array, dtype=dtype, order="C", copy=True)
     copy.flags.writeable = False
     return copy
+
+
+def surely_finite(values: FloatArray) -> bool:
+    """Return True if all are finite, and none is so large that the sum of squares overflows.
+
+    One pass that writes nothing: several times faster than to ask each.
+    """
+    flat = values.reshape(-1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.isfinite(np.dot(flat, flat)))
 
 
 def as_directions(name: str, value: npt.ArrayLike) -> FloatArray:

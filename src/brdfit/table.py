@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 from functools import cached_property
 
 import numpy as np
 
-from brdfit.arrays import BoolArray, FloatArray, IntArray, as_unit_directions, frozen
+from brdfit.arrays import BoolArray, FloatArray, IntArray, as_unit_directions, frozen, surely_finite
 from brdfit.display import Shown
 from brdfit.errors import UsageError
 from brdfit.geometry import half_diff_from_directions, split_by_horizon
@@ -37,8 +37,11 @@ class Table(Shown):
     wavelengths: FloatArray | None = None
     channels: tuple[str, ...] = ()
     source: Source = Source()
+    known_finite: InitVar[bool] = False
+    """True: whoever made the values saw that all of them are finite, and they are not asked again.
+    An argument only: those of a table made from this one are."""
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, known_finite: bool) -> None:
         put = object.__setattr__
         values = np.asarray(self.values)
         if values.shape == self.grid.shape:
@@ -60,7 +63,7 @@ class Table(Shown):
         values = values if owned else frozen(values)
         put(self, "values", values)
         valid = self.grid.above_horizon
-        if not _surely_finite(values):
+        if not (known_finite or surely_finite(values)):
             valid = valid & np.isfinite(values).all(axis=3)
         if self.valid is not None:
             given = np.asarray(self.valid, dtype=bool)
@@ -70,7 +73,9 @@ class Table(Shown):
                     f"{self.grid.shape}."
                 )
             valid = valid & given
-        put(self, "valid", frozen(valid))
+        # Either the grid's own, read-only already, or made here.
+        valid.flags.writeable = False
+        put(self, "valid", valid)
 
     @property
     def n_channels(self) -> int:
@@ -145,13 +150,3 @@ class Table(Shown):
         near = distance_transform_edt(~wrapped, return_distances=False, return_indices=True)
         i, j, k = near[..., n - n // 2 : 2 * n - n // 2]
         return np.asarray(np.ravel_multi_index((i, j, (k - (n - n // 2)) % n), self.grid.shape))
-
-
-def _surely_finite(values: FloatArray) -> bool:
-    """Return True if all are finite, and none is so large that the sum of squares overflows.
-
-    One pass that writes nothing: several times faster than to ask each.
-    """
-    flat = values.reshape(-1)
-    with np.errstate(over="ignore", invalid="ignore"):
-        return bool(np.isfinite(np.dot(flat, flat)))

@@ -141,7 +141,7 @@ def test_where_hardly_a_corner_is_above_the_horizon_the_nearest_answers():
     table = np.random.default_rng(1).normal(size=(grid.cells.size + 1, 6)).astype(np.float32)
     table[-1] = 0.0
     put = Carriage.between(grid, other).of(table, np.arange(6.0))
-    found = np.log(filled(other, 6, put, silent).reshape(other.size, -1)[other.cells])
+    found = np.log(filled(other, 6, put, silent)[0].reshape(other.size, -1)[other.cells])
     corners = Corners.of(grid).at(*other.half_diff(other.cells))
     expected = interpolated(table, *corners) + np.arange(6.0)
     assert len(Carriage.between(grid, other).odd) > 0

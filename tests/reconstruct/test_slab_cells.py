@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -152,3 +154,32 @@ def test_the_table_does_not_depend_on_who_does_what(monkeypatch, method, measure
 
     monkeypatch.setattr(slabs, "side_by_side", alone)
     assert np.array_equal(result.model.dense(GRID, silent), two)
+
+
+def test_every_value_of_a_fit_is_seen_to_be_finite(method, measure):
+    result = method.fit(measure(n=64))
+    assert result.model.seen_dense(GRID, silent)[1]
+    assert np.array_equal(result.table(GRID).mask, GRID.above_horizon)
+
+
+@pytest.mark.parametrize("wrong", [0, GRID.size // 2, GRID.size - 1])
+@pytest.mark.parametrize("what", [np.nan, np.inf, -np.inf])
+def test_a_value_that_is_not_finite_is_seen_wherever_it_is(wrong, what):
+    def put(rings, cells):
+        cells[:] = 1.0
+        ring, cell = divmod(wrong, cells.shape[1])
+        if rings.start <= ring < rings.stop:
+            cells[ring - rings.start, cell, 1] = what
+
+    assert not slabs.filled(GRID, 2, put, silent)[1]
+
+
+def test_a_fit_whose_coefficients_are_not_finite_has_a_table_that_holds_nothing(toy, measure):
+    result = Compact(population=toy).fit(measure(n=64))
+    coefficients = result.model.coefficients.copy()
+    coefficients[3, 0] = np.nan
+    spoiled = replace(result, model=replace(result.model, coefficients=coefficients))
+    values, finite = spoiled.model.seen_dense(GRID, silent)
+    assert not finite
+    assert np.isnan(values[GRID.above_horizon]).any(axis=1).all()
+    assert not spoiled.table(GRID).mask.any()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -180,3 +181,20 @@ def test_shapes_that_disagree_are_named(
 ) -> None:
     with pytest.raises(UsageError, match=message):
         Table(**{"values": values, "grid": GRID, **arguments})  # type: ignore[arg-type]
+
+
+def test_values_known_to_be_finite_are_not_asked_and_those_of_the_next_table_are() -> None:
+    grid = Grid(4, 4, 4)
+    values = np.full((*grid.shape, 2), np.nan)
+    trusted = Table(values=values, grid=grid, known_finite=True)
+    assert np.array_equal(trusted.mask, grid.above_horizon)
+    assert not Table(values=values, grid=grid).mask.any()
+    assert not replace(trusted, valid=None).mask.any()
+
+
+def test_the_mask_of_a_table_cannot_be_written_to() -> None:
+    grid = Grid(4, 4, 4)
+    for given in (None, np.ones(grid.shape, dtype=bool)):
+        table = Table(values=np.ones((*grid.shape, 1)), grid=grid, valid=given)
+        assert not table.mask.flags.writeable
+    assert given.flags.writeable

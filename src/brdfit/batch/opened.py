@@ -156,11 +156,12 @@ class BatchItem:
 
     def table(self, grid: Grid = MERL_GRID, progress: Progress = silent) -> Table:
         """Return the dense result on `grid`."""
-        values = self.model.dense(grid, progress)
+        values, finite = self.model.seen_dense(grid, progress)
         values.flags.writeable = False  # handed over: the table need not copy it
         bands = self.batch.attributes["wavelengths"]
         return Table(
             values=values,
+            known_finite=finite,
             grid=grid,
             wavelengths=np.array(bands) if bands else None,
             channels=self.batch.channels,

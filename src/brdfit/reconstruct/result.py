@@ -61,6 +61,14 @@ class KnowsItsTails(Protocol):
         """Return how many stated deviations hold a share `level` of good measurements."""
 
 
+@runtime_checkable
+class SeesItself(Protocol):
+    """A model that looks at its dense values while it makes them."""
+
+    def seen_dense(self, grid: Grid, progress: Progress) -> tuple[FloatArray, bool]:
+        """Return what `Model.dense` does, and whether all of it was seen to be finite."""
+
+
 class Method(Protocol):
     """Frozen settings that can fit."""
 
@@ -158,10 +166,14 @@ class Reconstruction(Shown):
 
     def table(self, grid: Grid = MERL_GRID, progress: Progress = silent) -> Table:
         """Return the dense result on `grid`; every cell above the horizon is valid."""
-        values = self.model.dense(grid, progress)
+        if isinstance(self.model, SeesItself):
+            values, finite = self.model.seen_dense(grid, progress)
+        else:
+            values, finite = self.model.dense(grid, progress), False
         values.flags.writeable = False  # handed over: the table need not copy it
         return Table(
             values=values,
+            known_finite=finite,
             grid=grid,
             wavelengths=self.samples.wavelengths,
             channels=self.samples.channels,

@@ -95,6 +95,7 @@ class Lines:
     highest: FloatArray
     """(kinds, phi), float32: the largest that it may be; -inf where there is nothing: f_r is 0."""
 
+    @lru_cache(maxsize=4)  # noqa: B019 - a few, kept as long as what made them is
     def each(self, channels: int) -> Lines:
         """Return the same for cells and nodes of so many channels."""
         scale, highest = (np.repeat(a, channels, axis=1) for a in (self.scale, self.highest))

@@ -90,11 +90,7 @@ def put_lines(
     # What is read from where it is written to cannot go through whole registers.
     logs = np.empty(size, dtype=np.float32)
     for ring in range(len(nodes)):
-        for node in range(len(around)):
-            values, line = nodes[ring, node], around[node]
-            for cell in range(size):
-                one, other = values[np.uintp(low[cell])], values[np.uintp(high[cell])]
-                line[cell] = weight[0, cell] * one + weight[1, cell] * other
+        _to_phi(nodes[ring], low, high, weight, around)
         for place in range(len(low_d)):
             before, after = around[low_d[place]], around[high_d[place]]
             share, rest = weight_d[0, place], weight_d[1, place]
@@ -103,6 +99,28 @@ def put_lines(
                 mean = share * before[cell] + rest * after[cell]
                 logs[cell] = mean * factor[cell] + constant[cell]
             _exponentials(logs, highest[kind[ring, place]], lowest, cells[ring, place])
+
+
+@compiled
+def _to_phi(
+    nodes: np.ndarray, low: np.ndarray, high: np.ndarray, weight: np.ndarray, around: np.ndarray
+) -> None:
+    """Put into each row of `around` what lies between the nodes of that row.
+
+    Three rows at a time, so that it is read once for three where the nodes are; the last row
+    is done again where there are not so many.
+    """
+    last = len(nodes) - 1
+    some, rest = weight[0], weight[1]
+    for row in range(0, len(nodes), 3):
+        second, third = min(row + 1, last), min(row + 2, last)
+        a, b, c = nodes[row], nodes[second], nodes[third]
+        to_a, to_b, to_c = around[row], around[second], around[third]
+        for cell in range(len(low)):
+            at, to = np.uintp(low[cell]), np.uintp(high[cell])
+            to_a[cell] = some[cell] * a[at] + rest[cell] * a[to]
+            to_b[cell] = some[cell] * b[at] + rest[cell] * b[to]
+            to_c[cell] = some[cell] * c[at] + rest[cell] * c[to]
 
 
 @compiled

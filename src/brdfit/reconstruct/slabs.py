@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from brdfit.arrays import FloatArray, frozen
+from brdfit.arrays import FloatArray, frozen, surely_finite
 from brdfit.grid import Grid
 from brdfit.linalg import side_by_side
 from brdfit.progress import Progress
@@ -21,24 +21,31 @@ Put = Callable[[slice, FloatArray], None]
 Called from two threads."""
 
 _LABEL = "dense result"
-# Values of theta_h at once: few enough for the cache, and many enough that two threads seldom
-# wait for one another to be let into the interpreter.
-_TOGETHER = 5
+# Values of theta_h at once: enough that two threads seldom wait for one another to be let into
+# the interpreter, and few enough that both have as much to do.
+_TOGETHER = 15
 
 
-def filled(grid: Grid, channels: int, put: Put, progress: Progress) -> FloatArray:
-    """Return f_r (*grid.shape, channels), float32, 0 below the horizon."""
+def filled(grid: Grid, channels: int, put: Put, progress: Progress) -> tuple[FloatArray, bool]:
+    """Return f_r (*grid.shape, channels), float32, 0 below the horizon, and if all are finite.
+
+    That is asked where it was just put, on both threads.
+    """
     result = np.empty((*grid.shape, channels), dtype=np.float32)
     cells = result.reshape(grid.n_theta_h, -1, channels)
+
+    count = -(-grid.n_theta_h // _TOGETHER)
+    finite = np.zeros(count, dtype=bool)
 
     def fill(number: int) -> None:
         rings = slice(number * _TOGETHER, min((number + 1) * _TOGETHER, grid.n_theta_h))
         put(rings, cells[rings])
+        finite[number] = surely_finite(cells[rings])
 
     progress(_LABEL, 0, grid.n_theta_h)
-    side_by_side(fill, -(-grid.n_theta_h // _TOGETHER))
+    side_by_side(fill, count)
     progress(_LABEL, grid.n_theta_h, grid.n_theta_h)
-    return result
+    return result, bool(finite.all())
 
 
 @lru_cache(maxsize=4)

@@ -33,6 +33,10 @@ class CompactModel:
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
         """Return f_r (*grid.shape, c), 1/sr, float32; 0 below the horizon."""
+        return self.seen_dense(grid, progress)[0]
+
+    def seen_dense(self, grid: Grid, progress: Progress) -> tuple[FloatArray, bool]:
+        """Return what `dense` does, and whether all of it was seen to be finite."""
         put = self.basis.on_grid(self.coefficients, grid)
         return filled(grid, self.coefficients.shape[1], put, progress)
 

@@ -50,6 +50,10 @@ class PosteriorModel:
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
         """Return f_r (*grid.shape, c), 1/sr, float32; 0 below the horizon."""
+        return self.seen_dense(grid, progress)[0]
+
+    def seen_dense(self, grid: Grid, progress: Progress) -> tuple[FloatArray, bool]:
+        """Return what `dense` does, and whether all of it was seen to be finite."""
         system, solution = self.winner.system, self.winner.solution
         combination, constant = system.prior.combination(solution.population)
         combination, constant = combination.astype(np.float32), constant.astype(np.float32)
