@@ -38,7 +38,14 @@ def read_table(path: Path) -> Table:
                 f"values are on a grid of {grid.shape} but valid has the shape "
                 f"{arrays['valid'].shape}."
             )
-        return Table(**arrays, grid=grid, channels=header.channels, source=header.source)
+        return Table(
+            values=arrays["values"],
+            grid=grid,
+            valid=arrays["valid"],
+            wavelengths=arrays.get("wavelengths"),
+            channels=header.channels,
+            source=header.source,
+        )
     except UsageError as error:
         raise CorruptFile(f"{path.name}: the arrays do not fit together: {error}") from error
 
