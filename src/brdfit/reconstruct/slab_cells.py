@@ -122,13 +122,19 @@ def put_lines(
 def plain_put_lines(
     nodes: FloatArray, lines: Lines, kind: IntArray, constant: FloatArray, cells: FloatArray
 ) -> None:
-    """`put_lines` by array operations."""
+    """`put_lines` by array operations, one theta_h after the other."""
     d, phi = lines.along_d, lines.along_phi
-    around = phi.weight[0] * nodes[..., phi.low] + phi.weight[1] * nodes[..., phi.high]
-    one, other = (weight[:, None] for weight in d.weight)
-    logs = one * around[:, d.low] + other * around[:, d.high]
-    logs = logs * lines.scale[kind] + constant
-    np.exp(np.clip(logs, LOWEST, lines.highest[kind]), out=cells)
+    share, rest = (weight[:, None] for weight in d.weight)
+    for values, which, found in zip(nodes, kind, cells, strict=True):
+        around = phi.weight[0] * values.take(phi.low, axis=1)
+        around += phi.weight[1] * values.take(phi.high, axis=1)
+        logs = share * around.take(d.low, axis=0)
+        logs += rest * around.take(d.high, axis=0)
+        logs *= lines.scale.take(which, axis=0)
+        logs += constant
+        np.maximum(logs, LOWEST, out=logs)
+        np.minimum(logs, lines.highest.take(which, axis=0), out=logs)
+        np.exp(logs, out=found)
 
 
 def plain_add_rows(
