@@ -12,7 +12,7 @@ from brdfit.grid import Grid
 from brdfit.populations.store import stored_cells
 from brdfit.progress import silent
 from brdfit.reconstruct import Posterior
-from brdfit.reconstruct.posterior.calibration import Calibration
+from brdfit.reconstruct.posterior.calibration import Calibration, beyond_samples
 from brdfit.reconstruct.posterior.principal import GridComponents, axes_of
 from brdfit.reconstruct.posterior.prior import population_prior
 from brdfit.reconstruct.posterior.stages import Search
@@ -210,3 +210,27 @@ def test_calibration_counts_what_was_left_out_and_not_outliers():
 def test_a_few_samples_do_not_calibrate_alone():
     found = Calibration.of(np.full((3, 2), 1e-12), np.ones(3), 4.0)
     assert found.unit > 0.2
+
+
+def test_beyond_the_samples_more_is_stated_and_among_them_what_was_known():
+    variance = np.geomspace(1e-6, 1e3, 400)
+    stated = beyond_samples(variance, 0.01)
+    among = variance <= 0.03
+    assert np.array_equal(stated[among], variance[among])
+    assert (np.diff(stated) > 0.0).all()
+    growth = stated / variance
+    assert (np.diff(growth) >= -1e-12).all()
+    assert growth.max() == pytest.approx(4.0)
+    np.testing.assert_allclose(beyond_samples(7.0 * variance, 0.07), 7.0 * stated)
+
+
+def test_what_lies_beyond_the_samples_is_stated_with_more_than_the_process_says(method, measure):
+    samples = measure()
+    near = samples.half_diff[0] < 0.4
+    model = method.fit(samples.subset(near)).model
+    far = samples.subset(~near)
+    components = model.basis.at(far.wi, far.wo)
+    process = model.winner.variance(components, far.half_diff)
+    stated = model.stddev(far.wi, far.wo)[:, 0] ** 2 / model.calibration.unit**2
+    assert (stated >= process * (1.0 - 1e-9)).all()
+    assert np.median(stated / process) > 1.5

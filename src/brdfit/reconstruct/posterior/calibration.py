@@ -10,6 +10,10 @@ z(p) is the p-quantile of these, beside `_IMAGINED` rows that are of Student's t
 Deviations and noise are stated in units of z(0.683), so that one of them holds 68 % of good
 samples; the share p lies within z(p) / z(0.683) of them.
 
+That is how far off the process is between samples. Further from them than they are from one
+another it is further off than it says, by more the less it knows: what a kernel and a population
+take for granted shows only there. `beyond_samples` says by how much.
+
 Reference: R. F. Barber, E. J. Candes, A. Ramdas, R. J. Tibshirani, "Predictive inference with
 the jackknife+", Annals of Statistics 49(1), 2021 (quantiles of left-out residuals).
 """
@@ -22,12 +26,25 @@ import numpy as np
 
 from brdfit.arrays import FloatArray
 
-__all__ = ["ONE_SIGMA", "Calibration"]
+__all__ = ["ONE_SIGMA", "Calibration", "beyond_samples"]
 
 ONE_SIGMA = 0.6827
 """Share of a normal distribution within one standard deviation."""
 _IMAGINED = 5.0
 _POINTS = 40
+# Variance over that of a typical left-out row from which on more is stated, how the variance
+# grows with it, and how large the factor gets. Chosen on whole incidence angles that were left
+# out of real files, and on samples that were left out at random.
+_KNEE, _GROWTH, _MOST = 3.0, 0.8, 4.0
+
+
+def beyond_samples(variance: FloatArray, typical: float) -> FloatArray:
+    """Return the variance (n,) to state, from that of the process and that of left-out rows.
+
+    It is the same up to three times `typical`, and at most four times as large.
+    """
+    further = variance / (_KNEE * max(typical, 1e-300))
+    return np.asarray(variance * np.clip(further**_GROWTH, 1.0, _MOST))
 
 
 @dataclass(frozen=True, eq=False)

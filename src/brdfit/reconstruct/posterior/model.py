@@ -12,7 +12,7 @@ from brdfit.geometry import half_diff_from_directions
 from brdfit.grid import Grid
 from brdfit.linalg import thin_product
 from brdfit.progress import Progress
-from brdfit.reconstruct.posterior.calibration import Calibration
+from brdfit.reconstruct.posterior.calibration import Calibration, beyond_samples
 from brdfit.reconstruct.posterior.detail import Detail
 from brdfit.reconstruct.posterior.kernel import Angles
 from brdfit.reconstruct.posterior.nodes import residual_on_grid
@@ -78,8 +78,8 @@ class PosteriorModel:
         """Return the standard deviation of ln f_r (n, c), the same for every channel.
 
         Of the BRDF itself: a measurement scatters by the noise of the fit besides. Where good
-        samples are further from one another's predictions than elsewhere, so is the BRDF. In
-        units of `calibration`.
+        samples are further from one another's predictions than elsewhere, so is the BRDF, and
+        beyond the samples it is further off than the process says. In units of `calibration`.
         """
         variance: list[FloatArray] = [np.empty(0)]
         for start in range(0, len(wi), _CHUNK):
@@ -116,6 +116,11 @@ class PosteriorModel:
         belief = explained.belief
         return Calibration.of(explained.surprise, belief.responsibility, belief.mixture.freedom)
 
+    @cached_property
+    def _typical_variance(self) -> float:
+        """That of ln f_r at a sample, known by the others."""
+        return float(np.median(self.winner.explanation.left_out.variance))
+
     def deviations(self, level: float) -> float:
         """Return how many stated deviations hold a share `level` of good measurements."""
         return self.calibration.deviations(level)
@@ -131,7 +136,8 @@ class PosteriorModel:
     def _variance(self, wi: FloatArray, wo: FloatArray) -> FloatArray:
         """Return that of ln f_r (n,), in units of `calibration`."""
         components, angles = self._at(wi, wo)
-        found = self.winner.variance(components, angles) + self._unexplained(wi, wo)
+        of_process = self.winner.variance(components, angles) + self._unexplained(wi, wo)
+        found = beyond_samples(of_process, self._typical_variance)
         if self.detail is None:
             return found
         return self.detail.variance(angles, found * self._of_smooth.unit**2)
