@@ -13,7 +13,8 @@ A row is judged by the others: with a residual free enough to follow one sample,
 agrees with itself. s never falls by more than half in a step, so that a good start is not
 lost to a moment's confidence, and is drawn toward `EXPECTED` by a few imagined samples. Where
 noise differs from place to place, s and u would go on falling long after the left-out rows are
-as likely as they get; nothing that was not measured is predicted better for it.
+as likely as they get; nothing that was not measured is predicted better for it. Every start
+gets the same number of steps before it may end, so that none wins because it went further.
 
 g says where everybody is further off than elsewhere: near grazing, in a narrow peak. That is
 seldom noise, most often a material that changes faster than its samples tell. So g excuses
@@ -42,7 +43,9 @@ _IMAGINED = 5.0
 _LEAST, _MOST = 0.003, 0.25
 # Relative, where columns lack entries of others: far below what a step moves.
 _PRECISE = 1e-6
-# A step that makes the left-out rows no likelier than this, ln, a believed row, is the last one.
+# No responsibility moves by more: nothing is left to do.
+_STILL = 1e-3
+# A step that makes the left-out rows likelier by less, ln, a believed row, is worth nothing.
 _WORTH = 0.02
 
 
@@ -114,21 +117,35 @@ def refine(
     weighted: Callable[[FloatArray], Posterior],
     belief: Belief,
     steps: int,
+    most: int | None = None,
 ) -> Explanation:
     """Return the explanation that `belief` leads to, for ln f_r = base (n,) + what is unknown.
 
-    `weighted` gives the posterior of the unknown for weights (n,). It is settled when another
-    step makes the left-out rows no likelier to speak of; `steps` are the most that are taken.
+    `weighted` gives the posterior of the unknown for weights (n,). Ends after `steps`, or later,
+    when another makes the left-out rows no likelier to speak of, and then is settled; after
+    `most` in any case. Ends at once where nobody is believed otherwise than before.
     """
-    best: Explanation | None = None
+    most = steps if most is None else most
+    before: Explanation | None = None
     for step, last in enumerate(_states(data, base, weighted, belief), start=1):
-        last = replace(last, steps=step)
-        if best is not None and last.score - best.score < _WORTH * last.belief.count:
-            return replace(max(best, last, key=lambda found: found.score), settled=True)
-        best = last
-        if step >= steps:
+        settled = before is not None and not _worth_it(before, last)
+        still = before is not None and _still(before, last)
+        if still or step >= most or (settled and step >= steps):
             break
-    return last
+        before = last
+    return replace(last, steps=step, settled=settled or still)
+
+
+def _worth_it(before: Explanation, last: Explanation) -> bool:
+    """Whether the last step made the left-out rows likelier."""
+    return last.score - before.score >= _WORTH * last.belief.count
+
+
+def _still(before: Explanation, last: Explanation) -> bool:
+    """Whether everybody is believed as before, at the same noise."""
+    change = last.belief.responsibility - before.belief.responsibility
+    same_width = abs(last.belief.width / before.belief.width - 1.0) < 0.02
+    return same_width and float(np.abs(change).max(initial=0.0)) < _STILL
 
 
 def _states(

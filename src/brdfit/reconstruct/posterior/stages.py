@@ -55,8 +55,10 @@ class Search:
     starts: int = 6
     first_steps: int = 12
     screening_steps: int = 3
-    second_steps: int = 16
-    last_steps: int = 8
+    second_steps: int = 8
+    last_steps: int = 4
+    patience: int = 2
+    """Times as many are taken, in these two, while they make left-out samples likelier."""
     screening_rows: int = 500
     screening_channels: int = 6
     """Samples and channels that kernels are compared on, evenly drawn."""
@@ -163,7 +165,7 @@ def explain(
     data, design = data.take(many), design.take(many)
     belief = found.judge(data, design)
     system = _system(data, design, found.system.prior, found.system.kernel, belief, search)
-    return _at_rest(data, design, system, belief, search.last_steps)
+    return _at_rest(data, design, system, belief, search.last_steps, search.patience)
 
 
 def verdict_on(winner: Winner, data: Measurements, design: Design, search: Search) -> Judged:
@@ -255,7 +257,7 @@ def _with_residual(
         belief = replace(belief, mixture=replace(belief.mixture, freedom=FREEDOM))
         kernel = _best_kernel(data, design, prior, belief, search)
         system = _system(data, design, prior, kernel, belief, search)
-        return _at_rest(data, design, system, belief, search.second_steps)
+        return _at_rest(data, design, system, belief, search.second_steps, search.patience)
 
     with ThreadPoolExecutor(_THREADS) as pool:
         found = list(pool.map(settled, (first.belief, everybody(data))))
@@ -288,10 +290,16 @@ def _best_kernel(
 
 
 def _at_rest(
-    data: Measurements, design: Design, system: System, belief: Belief, steps: int
+    data: Measurements,
+    design: Design,
+    system: System,
+    belief: Belief,
+    steps: int,
+    patience: int = 1,
 ) -> Winner:
     base = system.prior.log_mean(design.components)
-    return Winner.of(system, refine(data, base, system.weighted, belief, steps))
+    found = refine(data, base, system.weighted, belief, steps, patience * steps)
+    return Winner.of(system, found)
 
 
 def _system(
