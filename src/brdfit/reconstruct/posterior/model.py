@@ -20,14 +20,12 @@ from brdfit.reconstruct.posterior.places import places
 from brdfit.reconstruct.posterior.principal import PrincipalBasis
 from brdfit.reconstruct.posterior.refine import Belief
 from brdfit.reconstruct.posterior.stages import Winner
-from brdfit.reconstruct.slab_cells import add_rows, put_values
+from brdfit.reconstruct.slab_cells import HIGHEST, LOWEST, add_rows, put_values
 from brdfit.reconstruct.slabs import filled, highest
 
 __all__ = ["PosteriorModel"]
 
 _CHUNK = 8192
-# ln f_r: what is written stays within what a float32 and a renderer can hold.
-_LOWEST, _HIGHEST = -30.0, 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +44,7 @@ class PosteriorModel:
             components, angles = self._at(wi[rows], wo[rows])
             part = self.winner.mean(components, angles)
             parts.append(part if self.detail is None else part + self.detail.at(angles))
-        return np.asarray(np.exp(np.clip(np.concatenate(parts), _LOWEST, _HIGHEST)))
+        return np.asarray(np.exp(np.clip(np.concatenate(parts), LOWEST, HIGHEST)))
 
     def dense(self, grid: Grid, progress: Progress) -> FloatArray:
         """Return f_r (*grid.shape, c), 1/sr, float32; 0 below the horizon."""
