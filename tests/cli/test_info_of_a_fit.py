@@ -52,8 +52,19 @@ def test_a_record_that_lost_a_part_is_said_to_be_one(run: Run, tmp_path: Path) -
     damaged.write_text('{"schema": "brdfit.fit/1", "outcome": {}}')
     code, _, err = run("info", damaged)
     assert code == 1
-    assert "record of a fit" in err
-    assert "'samples'" in err
+    assert "record of a fit but has no entry 'samples'" in err
+
+
+@pytest.mark.parametrize("outputs", [None, [], "out.npz"])
+def test_a_record_that_names_no_files_is_told_of_without(
+    run: Run, fitted: tuple[Path, str], outputs: object
+) -> None:
+    record, _ = fitted
+    record.write_text(json.dumps(json.loads(record.read_text()) | {"outputs": outputs}))
+    code, out, err = run("info", record)
+    assert code == 0, err
+    assert "files" not in out
+    assert run("info", record, "--physics")[0] == 2
 
 
 def test_json_of_another_kind_is_not_taken_for_a_record(run: Run, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from brdfit.cli.summary import rows_in_words
+from brdfit.report.fit_files import outputs_of
 
 __all__ = ["fit_lines", "kept_fit_lines"]
 
@@ -46,15 +47,14 @@ def kept_fit_lines(name: str, record: Record) -> list[str]:
 
 
 def _of_the_table(record: Record) -> Iterator[str]:
-    trust, albedo, outputs = (record.get(key) for key in ("trust", "albedo", "outputs"))
+    trust, outputs = record.get("trust"), outputs_of(record)
+    # records of before it was kept have no sentence
+    albedo = (record.get("albedo") or {}).get("sentence")
     if trust:
         shares = ", ".join(f"{share:.1%} {name}" for name, share in trust["shares"].items())
         yield f"  cells       {shares}"
     if albedo:
-        yield (
-            f"  albedo      at most {albedo['largest']:.3f} ({albedo['channel']}, at "
-            f"{albedo['at_degrees']:.0f} degrees of incidence)"
-        )
+        yield f"  albedo      {albedo}"
     if outputs:
         yield f"  files       {', '.join(outputs.values())}"
 

@@ -55,6 +55,7 @@ class AlbedoCurve:
         curves = zip(self.channels, np.round(self.albedo, 4).T.tolist(), strict=True)
         return {
             "quantity": "directional albedo: reflected over received power, 1 is a white furnace",
+            "sentence": str(self),
             "largest": self.largest,
             "at_degrees": float(self.degrees[angle]),
             "channel": self.channels[channel],

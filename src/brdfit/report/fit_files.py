@@ -8,6 +8,7 @@ renamed together stays together.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +22,7 @@ from brdfit.report.samples_csv import Judged, read_samples_csv
 from brdfit.report.uncertainty import Uncertainty
 from brdfit.table import Table
 
-__all__ = ["FitFiles", "kept_record", "read_fit"]
+__all__ = ["FitFiles", "kept_record", "outputs_of", "read_fit"]
 
 # Interpolation in the table moves ln f by less than this at most samples.
 _ALIKE = 0.05
@@ -152,12 +153,17 @@ def _content(path: Path) -> dict[str, Any] | None:
     return None
 
 
-def _outputs(record: Path) -> dict[str, str]:
-    outputs = (_content(record) or {}).get("outputs")
+def outputs_of(record: Mapping[str, Any]) -> dict[str, str]:
+    """Return what the files of a fit are called, by role; none where its record does not say."""
+    outputs = record.get("outputs")
     if not isinstance(outputs, dict):
         return {}
     # names, never paths: a record must not lead out of its folder
     return {str(role): Path(str(name)).name for role, name in outputs.items()}
+
+
+def _outputs(record: Path) -> dict[str, str]:
+    return outputs_of(_content(record) or {})
 
 
 def _missing(files: FitFiles) -> list[str]:

@@ -52,7 +52,7 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read the file and describe it."""
-    from brdfit.report.fit_files import kept_record
+    from brdfit.report.fit_files import kept_record, outputs_of
 
     _check_picture(arguments)
     kept = kept_record(arguments.file)
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
         _tell_of_contents(arguments, console)
         return
     if arguments.physics:
-        table = kept.get("outputs", {}).get("table", "its table")
+        table = outputs_of(kept).get("table", "its table")
         raise UsageError(
             f"{arguments.file}: is the record of a fit; --physics examines a table or samples: "
             f"name {table} instead."
@@ -77,9 +77,10 @@ def _tell_of_a_fit(arguments: argparse.Namespace, record: dict[str, Any], consol
     try:
         lines = kept_fit_lines(arguments.file.name, record)
     except (KeyError, TypeError, AttributeError, ValueError) as error:
+        found = f"has no entry {error}" if isinstance(error, KeyError) else f"is damaged ({error})"
         raise CorruptFile(
-            f"{arguments.file}: is the record of a fit, but {error} is missing or not what a fit "
-            f"writes. Fit again, or use the table without it."
+            f"{arguments.file}: is the record of a fit but {found}. Fit again, or use the table "
+            f"without it."
         ) from error
     console.result("\n".join(lines))
 
