@@ -41,10 +41,22 @@ def test_the_record_as_json_is_itself(run: Run, fitted: tuple[Path, str]) -> Non
     assert json.loads(run("info", record, "--json")[1]) == json.loads(record.read_text())
 
 
-def test_physics_wants_the_table_of_the_fit(run: Run, fitted: tuple[Path, str]) -> None:
-    code, _, err = run("info", fitted[0], "--physics")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("info", "--physics"),
+        ("render", "-o", "sphere.png"),
+        ("convert", "other.npz"),
+        ("export", "-o", "material.mtlx"),
+    ],
+)
+def test_what_wants_a_table_names_that_of_the_fit(
+    run: Run, fitted: tuple[Path, str], words: tuple[str, ...]
+) -> None:
+    command, *rest = words
+    code, _, err = run(command, fitted[0], *rest)
     assert code == 2
-    assert "name out.npz instead" in err
+    assert "is the record of a fit; name out.npz instead" in err
 
 
 def test_a_record_that_lost_a_part_is_said_to_be_one(run: Run, tmp_path: Path) -> None:

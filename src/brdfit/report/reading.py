@@ -23,6 +23,7 @@ def read_any(path: Path, options: dict[str, Any], first: Kind) -> Samples | Tabl
     STORE.zarr#NAME is the table of an item of a batch. If neither can be read the error of the
     kind that its format has is raised.
     """
+    _refuse_record(path)
     of_batch = _item_of_batch(path)
     if of_batch is not None:
         return of_batch
@@ -48,8 +49,21 @@ def read_table_of(path: Path, **options: Any) -> Table:
     """Return the table of a file, or of an item of a batch (STORE.zarr#NAME)."""
     from brdfit.formats import read_table
 
+    _refuse_record(path)
     found = _item_of_batch(path)
     return read_table(path, **options) if found is None else found
+
+
+def _refuse_record(path: Path) -> None:
+    """Say which file is meant where the record of a fit is named for its table."""
+    if path.suffix.lower() != ".json":
+        return
+    from brdfit.report.fit_files import kept_record, outputs_of
+
+    record = kept_record(path)
+    if record is not None:
+        table = outputs_of(record).get("table", "its table")
+        raise UsageError(f"{path}: is the record of a fit; name {table} instead.")
 
 
 def _item_of_batch(path: Path) -> Table | None:

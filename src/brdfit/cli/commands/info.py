@@ -52,20 +52,14 @@ def add_arguments(parser: Parser, rest: Sequence[str]) -> None:
 
 def run(arguments: argparse.Namespace, console: Console) -> None:
     """Read the file and describe it."""
-    from brdfit.report.fit_files import kept_record, outputs_of
+    from brdfit.report.fit_files import kept_record
 
     _check_picture(arguments)
     kept = kept_record(arguments.file)
-    if kept is None:
+    if kept is None or arguments.physics:
         _tell_of_contents(arguments, console)
-        return
-    if arguments.physics:
-        table = outputs_of(kept).get("table", "its table")
-        raise UsageError(
-            f"{arguments.file}: is the record of a fit; --physics examines a table or samples: "
-            f"name {table} instead."
-        )
-    _tell_of_a_fit(arguments, kept, console)
+    else:
+        _tell_of_a_fit(arguments, kept, console)
 
 
 def _tell_of_a_fit(arguments: argparse.Namespace, record: dict[str, Any], console: Console) -> None:
