@@ -8,7 +8,8 @@ import pytest
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.reconstruct.posterior.kernel import Kernel
 from brdfit.reconstruct.posterior.nodes import residual_on_grid
-from brdfit.reconstruct.posterior.stages import Search
+from brdfit.reconstruct.posterior.search import Search
+from brdfit.reconstruct.posterior.section import SECTION, Section
 
 
 @pytest.fixture
@@ -100,3 +101,53 @@ def test_the_distance_to_the_horizon_is_reciprocal_and_finite_below_it():
     assert np.isfinite(there).all()
     other = kernel.coordinates((theta_h, theta_d, phi_d + np.pi))
     np.testing.assert_allclose(there, other, atol=1e-12)
+
+
+PEAK = Section(
+    np.log(0.05 + 20.0 * np.exp(-((SECTION.theta_h[:, None] / 0.15) ** 2)))
+    + 0.5 * SECTION.theta_d**4
+)
+
+
+def test_on_the_flank_of_a_lobe_neighbours_are_further_apart_and_elsewhere_they_are_not():
+    plain, following = Kernel(1.0, 1.0, 1.0), Kernel(1.0, 1.0, 1.0, lobe=0.5, section=PEAK)
+
+    def between(kernel, one, other):
+        (a, b), zero = np.radians([[one], [other]]), np.zeros(1)
+        return kernel.between((a, zero, zero), (b, zero, zero)).item()
+
+    assert between(following, 8.0, 14.0) < 0.8 * between(plain, 8.0, 14.0)
+    assert between(following, 50.0, 60.0) == pytest.approx(between(plain, 50.0, 60.0), abs=1e-3)
+
+
+def test_one_that_follows_a_lobe_is_a_covariance_too_and_reciprocal(angles):
+    kernel = Kernel(0.4, 3.0, 0.3, 0.25, 0.5, PEAK)
+    gram = kernel.between(angles, angles)
+    assert np.allclose(np.diagonal(gram), 0.09)
+    assert np.linalg.eigvalsh(gram).min() > -1e-10
+    theta_h, theta_d, phi_d = angles
+    assert np.allclose(kernel.between((theta_h, theta_d, phi_d + np.pi), angles), gram)
+
+
+@pytest.mark.parametrize(("length", "stretch"), Search().following)
+def test_what_follows_a_lobe_is_carried_to_the_cells_within_a_hundredth_of_its_size(
+    length, stretch
+):
+    kernel, rng = Kernel(length, stretch, 0.3, 0.0, Search().lobe, PEAK), np.random.default_rng(6)
+    centres = MERL_GRID.half_diff(rng.choice(MERL_GRID.cells, 500, replace=False))
+    gram = kernel.between(centres, centres)
+    drawn = np.linalg.cholesky(gram + 1e-9 * np.eye(500)) @ rng.normal(size=(500, 3))
+    alpha = np.linalg.solve(gram + 0.02**2 * np.eye(500), drawn)
+    cells = few_of(MERL_GRID, 7)
+    exact = kernel.between(MERL_GRID.half_diff(cells), centres) @ alpha
+    off = np.abs(on_grid(kernel, MERL_GRID, centres, alpha)[cells] - exact)
+    assert np.quantile(off, 0.99) < 0.01 * np.ptp(exact)
+    assert off.max() < 0.03 * np.ptp(exact)
+
+
+def test_a_section_is_its_nodes_and_its_slopes_are_its_own():
+    theta_h, theta_d = np.meshgrid(SECTION.theta_h, SECTION.theta_d, indexing="ij")
+    found = PEAK.at(theta_h.ravel(), theta_d.ravel()).reshape(PEAK.level.shape)
+    np.testing.assert_allclose(found, PEAK.level, atol=1e-9)
+    places, slope = PEAK.steepest(1)
+    np.testing.assert_allclose(slope, 2.0 * places**3, atol=2e-2)

@@ -24,6 +24,7 @@ import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
 from brdfit.linalg.gaussian import TOLERANCE, LeftOut, conjugate_gradients
+from brdfit.linalg.lapack import factor_and_inverse
 
 __all__ = ["CovariancePosterior"]
 
@@ -61,18 +62,12 @@ class CovariancePosterior:
     @classmethod
     def of(cls, gram: FloatArray, weights: FloatArray) -> CovariancePosterior:
         """Factorise B for the covariance `gram` (n, n) and rows of weights (n,), >= 0."""
-        from scipy.linalg import lapack
-
         weights = np.maximum(weights, max(_LEAST * float(weights.max(initial=0.0)), 1e-300))
         root = np.sqrt(weights)
         b = gram * root
         b *= root[:, None]
         b[np.diag_indices_from(b)] += 1.0
-        # column-major, so that nothing is copied: B is its own transpose
-        factor, failed = lapack.dpotrf(b.T, lower=1, clean=0, overwrite_a=1)
-        if failed:
-            raise np.linalg.LinAlgError(f"leading minor {failed} of B is not positive definite")
-        inverse, _ = lapack.dpotri(factor, lower=1)
+        factor, inverse = factor_and_inverse(b)
         return cls(gram, root, factor, inverse)
 
     def solve(

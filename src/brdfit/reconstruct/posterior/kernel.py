@@ -4,14 +4,18 @@
          -grazing ln(c + e))
     r = sin theta_h sin theta_d,     c = cos theta_i cos theta_o, smoothly held above zero
 
-    k(x, x') = a^2 (1 + sqrt(3) d) exp(-sqrt(3) d),     d = |x - x'| / length
+    k(x, x') = a^2 (1 + sqrt(3) d) exp(-sqrt(3) d)
+    d^2 = |x - x'|^2 / length^2 + lobe^2 (L(x) - L(x'))^2
 
 a Matern kernel of smoothness 3/2 over coordinates that know of reciprocity, and in which phi_d
 has no say at the poles. Kernels that are products along (theta_h, theta_d, phi_d) are cheaper
 on a grid, but predicted real measurements worse: what changes fast in phi_d changes where
 theta_h and theta_d are large, and there only. The fifth coordinate, where a fit wants it
 (`grazing` above 0), keeps apart what lies near the horizon: there a BRDF changes faster than
-anywhere but in its peak.
+anywhere but in its peak. L(theta_h, theta_d) is what the population alone says of the material
+(`section`), where a fit wants it (`lobe` above 0). Where L is steep, as on the flank of a lobe,
+samples tell of less around them than where it is flat: no length that is the same everywhere
+serves both.
 
 Reference: C. E. Rasmussen, C. K. I. Williams, "Gaussian Processes for Machine Learning", MIT
 Press 2006, section 4.2.1 (Matern).
@@ -27,6 +31,7 @@ from brdfit.arrays import FloatArray, IntArray
 from brdfit.geometry import cos_incident_outgoing
 from brdfit.linalg import side_by_side
 from brdfit.reconstruct.coordinates import half_diff_features
+from brdfit.reconstruct.posterior.section import Section
 
 __all__ = ["Angles", "Kernel", "taken"]
 
@@ -49,14 +54,21 @@ class Kernel:
     amplitude: float
     grazing: float = 0.0
     """How much the last decades before the horizon count as distance; 0 for not at all."""
+    lobe: float = 0.0
+    """Lengths that an e-fold of what the population says counts as; 0 for not at all."""
+    section: Section | None = None
+    """What the population says; nobody asks where `lobe` is 0."""
 
     def coordinates(self, angles: Angles) -> FloatArray:
-        """Return x / length (n, 4), or (n, 5) where `grazing` is above 0."""
+        """Return x / length (n, 4), a column more for each of `grazing` and `lobe` above 0."""
         x = half_diff_features(*(np.asarray(angle, dtype=np.float64) for angle in angles))
         x[:, 0] *= self.stretch
         if self.grazing > 0.0:
             x = np.column_stack([x, -self.grazing * _log_height(angles)])
-        return np.asarray(x / self.length)
+        x /= self.length
+        if self.lobe > 0.0 and self.section is not None:
+            x = np.column_stack([x, self.lobe * self.section.at(angles[0], angles[1])])
+        return np.asarray(x)
 
     def between(self, one: Angles, other: Angles) -> FloatArray:
         """Return k (n, m), float64."""
@@ -87,7 +99,7 @@ class Kernel:
         return result
 
     def _of_coordinates(self, x: FloatArray, z: FloatArray) -> FloatArray:
-        """Return k from x / length (n, 4) and (m, 4), in their precision."""
+        """Return k from x / length (n, d) and (m, d), in their precision."""
         d = (-2.0 * x) @ z.T
         d += (x * x).sum(axis=1)[:, None]
         d += (z * z).sum(axis=1)

@@ -17,7 +17,8 @@ from brdfit.reconstruct.posterior.detail import add_detail
 from brdfit.reconstruct.posterior.measurements import Measurements, targets_of
 from brdfit.reconstruct.posterior.model import PosteriorModel
 from brdfit.reconstruct.posterior.principal import PrincipalBasis, principal_basis
-from brdfit.reconstruct.posterior.stages import Design, Judged, Search, explain, verdict_on
+from brdfit.reconstruct.posterior.search import Design, Search
+from brdfit.reconstruct.posterior.stages import Judged, explain, verdict_on
 from brdfit.reconstruct.result import Reconstruction, population_record
 from brdfit.samples import Samples
 
@@ -72,7 +73,11 @@ class Posterior:
         wi, wo = samples.wi[data.rows], samples.wo[data.rows]
         theta_h, theta_d, phi_d = (angle[data.rows] for angle in samples.half_diff)
         design = Design(
-            basis.at(wi, wo), basis.axes, basis.column_weights(materials), (theta_h, theta_d, phi_d)
+            components=basis.at(wi, wo),
+            axes=basis.axes,
+            weights=basis.column_weights(materials),
+            angles=(theta_h, theta_d, phi_d),
+            section=basis.on_section(progress),
         )
         search = self.search()
         winner = explain(data, design, search, progress)
@@ -139,6 +144,7 @@ def _figures(model: PosteriorModel) -> dict[str, float]:
         "residual_length": kernel.length,
         "residual_stretch": kernel.stretch,
         "residual_grazing": kernel.grazing,
+        "residual_lobe": kernel.lobe,
         "left_out_log_likelihood": winner.explanation.score,
     }
     if model.detail is not None:

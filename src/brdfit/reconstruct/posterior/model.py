@@ -19,7 +19,7 @@ from brdfit.reconstruct.posterior.nodes import residual_on_grid
 from brdfit.reconstruct.posterior.places import places
 from brdfit.reconstruct.posterior.principal import PrincipalBasis
 from brdfit.reconstruct.posterior.refine import Belief
-from brdfit.reconstruct.posterior.stages import Winner
+from brdfit.reconstruct.posterior.winner import Winner
 from brdfit.reconstruct.slab_cells import HIGHEST, LOWEST, add_rows, put_values
 from brdfit.reconstruct.slabs import filled, highest
 

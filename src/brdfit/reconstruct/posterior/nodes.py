@@ -26,6 +26,10 @@ __all__ = ["residual_on_grid"]
 # and so many only where they are not small.
 _ALONG_H, _ALONG_D, _AROUND = (8, 9.0), (14, 8.0), (12, 16.0)
 _STEP, _SMALL = 4, 0.25
+# Places along an axis where the kernel is asked how close its nodes have to be.
+_FINE = 512
+# As many times more nodes has a length of a kernel that follows a lobe.
+_FINER = 2.0
 # Weights of a spline that are nothing: far nodes have some so small that products become slow.
 _NOTHING = 1e-12
 # Of a kernel that keeps apart what lies near the horizon, which crosses all three axes, the
@@ -50,11 +54,8 @@ def _nodes(kernel: Kernel, grid: Grid) -> tuple[tuple[FloatArray, FloatArray], I
     No more than the grid has: where it is coarse, its own.
     """
     length = min(kernel.length, _LONGEST) if kernel.grazing > 0.0 else kernel.length
-    h = min(_count(_ALONG_H, kernel.stretch / length), grid.n_theta_h)
-    d = min(_count(_ALONG_D, 1.0 / length), grid.n_theta_d)
-    root = np.sqrt(grid.theta_h)
-    theta_h = np.linspace(root[0], root[-1], h) ** 2
-    theta_d = np.linspace(grid.theta_d[0], grid.theta_d[-1], d)
+    theta_h = _along(kernel, 0, kernel.stretch, length, np.sqrt(grid.theta_h)) ** 2
+    theta_d = _along(kernel, 1, 1.0, length, grid.theta_d)
     radius = np.sin(theta_h)[:, None] * np.sin(theta_d)
     least = _STEP + (_AROUND[0] - _STEP) * np.minimum(radius / _SMALL, 1.0)
     wanted = least + radius * _AROUND[1] / length
@@ -64,8 +65,22 @@ def _nodes(kernel: Kernel, grid: Grid) -> tuple[tuple[FloatArray, FloatArray], I
     return (theta_h, theta_d), counts
 
 
-def _count(nodes: tuple[int, float], lengths: float) -> int:
-    return nodes[0] + int(np.ceil(nodes[1] * lengths))
+def _along(kernel: Kernel, axis: int, stretch: float, length: float, own: FloatArray) -> FloatArray:
+    """Return the nodes of an axis whose own are `own`: as close as the kernel is short.
+
+    On the flank of a lobe they are closer than elsewhere.
+    """
+    least, each = (_ALONG_H, _ALONG_D)[axis]
+    if kernel.lobe == 0.0 or kernel.section is None:
+        count = min(least + int(np.ceil(each * stretch / length)), own.size)
+        return np.linspace(own[0], own[-1], count)
+    at = np.linspace(own[0], own[-1], _FINE)
+    whole = (np.sqrt(np.pi / 2), np.pi / 2)[axis]
+    slope = kernel.lobe * np.interp(at, *kernel.section.steepest(axis))
+    speed = np.hypot(stretch / (whole * length), slope)
+    arc = np.append(0.0, np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(at)))
+    count = least + int(np.ceil(_FINER * each * arc[-1]))
+    return own if count >= own.size else np.interp(np.linspace(0.0, arc[-1], count), arc, at)
 
 
 def _on_rings(

@@ -33,6 +33,7 @@ from brdfit.progress import Progress, silent
 from brdfit.reconstruct.correction_basis import training_cells
 from brdfit.reconstruct.members import MemberRows
 from brdfit.reconstruct.posterior.blends import Blends
+from brdfit.reconstruct.posterior.section import SECTION
 from brdfit.table import Table
 
 __all__ = ["GridComponents", "PrincipalBasis", "principal_basis"]
@@ -86,6 +87,12 @@ class PrincipalBasis:
         mean = logs.mean(axis=1, dtype=np.float64).astype(np.float32)[:, None]
         logs -= mean
         return np.hstack([mean, logs @ self.axes.astype(np.float32)])
+
+    def on_section(self, progress: Progress = silent) -> FloatArray:
+        """Return [mu | B] (h, d, 1 + q), float32, at the nodes of `section.SECTION`."""
+        found = self.on_grid(SECTION, progress)
+        rings = [rows[row_of[1::2]] for rows, row_of in map(found.ring, range(SECTION.n_theta_h))]
+        return np.stack(rings)
 
     def on_grid(self, grid: Grid, progress: Progress = silent) -> GridComponents:
         """Return mu and B at the cells of a grid, built on first use."""
