@@ -27,6 +27,13 @@ def test_the_lower_triangles_are_factor_and_inverse(matrix, wrapped, monkeypatch
     np.testing.assert_allclose(np.tril(inverse), np.tril(np.linalg.inv(matrix)), atol=1e-12)
 
 
+def test_how_the_matrix_lies_in_memory_changes_nothing(matrix):
+    factor, inverse = lapack.factor_and_inverse(matrix.copy())
+    other, another = lapack.factor_and_inverse(np.asfortranarray(matrix))
+    np.testing.assert_array_equal(np.tril(factor), np.tril(other))
+    np.testing.assert_array_equal(np.tril(inverse), np.tril(another))
+
+
 @pytest.mark.parametrize("wrapped", [False, True])
 def test_what_is_not_positive_definite_is_refused(matrix, wrapped, monkeypatch):
     if wrapped:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -25,11 +26,10 @@ _ARGUMENTS = (b"(char *, int *, ", b" *, int *, int *)")
 def factor_and_inverse(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return (L, A^-1) of A = L L^T (n, n), float64; only their lower triangles mean anything.
 
-    `matrix` is C-contiguous, and overwritten. Raises `LinAlgError` if it is not positive
-    definite.
+    `matrix` may be overwritten. Raises `LinAlgError` if it is not positive definite.
     """
-    # column-major, so that nothing is copied: A is its own transpose
-    factor = _called("dpotrf", matrix.T)
+    # LAPACK wants columns; nothing is copied of rows, because A is its own transpose
+    factor = _called("dpotrf", np.asfortranarray(matrix.T, dtype=np.float64))
     return factor, _called("dpotri", factor.copy(order="F"))
 
 
@@ -63,12 +63,15 @@ def _routine(name: str) -> _Routine | None:
     capsule = getattr(cython_lapack, "__pyx_capi__", {}).get(name)
     if capsule is None:
         return None
-    named = ctypes.pythonapi.PyCapsule_GetName
-    named.restype, named.argtypes = ctypes.c_char_p, [ctypes.py_object]
-    pointer = ctypes.pythonapi.PyCapsule_GetPointer
-    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    named = _of_python("PyCapsule_GetName", ctypes.c_char_p, ctypes.py_object)
+    pointer = _of_python("PyCapsule_GetPointer", ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)
     kind = named(capsule)
     if not all(part in kind for part in _ARGUMENTS):
         return None
     text, address = ctypes.c_char_p, ctypes.c_void_p
     return ctypes.CFUNCTYPE(None, text, address, address, address, address)(pointer(capsule, kind))
+
+
+def _of_python(name: str, result: type, *arguments: type) -> Callable[..., Any]:
+    """Return a function of the interpreter, with a signature that nobody else's use changes."""
+    return ctypes.PYFUNCTYPE(result, *arguments)((name, ctypes.pythonapi))
