@@ -8,8 +8,12 @@ import pytest
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.reconstruct.posterior.kernel import Kernel
 from brdfit.reconstruct.posterior.nodes import residual_on_grid
-from brdfit.reconstruct.posterior.search import Search
+from brdfit.reconstruct.posterior.prior import population_prior
+from brdfit.reconstruct.posterior.refine import Belief, Explanation
+from brdfit.reconstruct.posterior.search import Design, Search
 from brdfit.reconstruct.posterior.section import SECTION, Section
+from brdfit.reconstruct.posterior.stages import _section
+from brdfit.robust import Background, Mixture
 
 
 @pytest.fixture
@@ -151,3 +155,38 @@ def test_a_section_is_its_nodes_and_its_slopes_are_its_own():
     np.testing.assert_allclose(found, PEAK.level, atol=1e-9)
     places, slope = PEAK.steepest(1)
     np.testing.assert_allclose(slope, 2.0 * places**3, atol=2e-2)
+
+
+@pytest.mark.parametrize(("share", "expected"), [(0.05, False), (0.5, True)])
+def test_a_first_stage_that_believes_hardly_anybody_knows_of_no_lobe(share, expected):
+    rows, axes = 40, np.eye(4, 2)
+    prior = population_prior(axes, np.full(4, 0.25))
+    rng = np.random.default_rng(8)
+    design = Design(
+        components=np.zeros((rows, 3)),
+        axes=axes,
+        weights=np.full(4, 0.25),
+        angles=(np.zeros(rows),) * 3,
+        section=rng.normal(size=(*SECTION.shape[:2], 3)),
+    )
+    y = rng.normal(size=(rows, 1))
+    mixture = Mixture(0.05, Background.of(y, np.ones(y.shape, dtype=bool)))
+    belief = Belief(np.full(rows, share), 0.1, mixture, np.ones(rows))
+    first = Explanation(
+        coefficients=rng.normal(size=(prior.size, 1)),
+        posterior=None,
+        mean=None,
+        left_out=None,
+        belief=belief,
+        score=0.0,
+        surprise=None,
+        steps=0,
+        settled=True,
+    )
+    section = _section(design, prior, first, Search())
+    assert (section is not None) is expected
+    if section is not None:
+        combination, constant = prior.combination(first.coefficients)
+        np.testing.assert_allclose(
+            section.level, design.section @ combination[:, 0] + constant[0], atol=1e-12
+        )

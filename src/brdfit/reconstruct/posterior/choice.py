@@ -68,7 +68,7 @@ def best_kernel(
     design: Design,
     prior: PopulationPrior,
     belief: Belief,
-    section: Section,
+    section: Section | None,
     search: Search,
 ) -> Kernel:
     """Return the kernel under which left-out samples are most likely, after a few steps.
@@ -77,9 +77,11 @@ def best_kernel(
     """
     some = data.spread_out(search.screening_rows)
     trial = _Trial.of(data.take(some), design.take(some), prior, belief.take(some), search)
-    lobe = replace(Kernel(1.0, 1.0, search.amplitudes[0]), lobe=search.lobe, section=section)
-    plain = (Kernel(*shape, search.amplitudes[0]) for shape in search.shapes)
+    plain = trial.best((Kernel(*shape, search.amplitudes[0]) for shape in search.shapes), search)
+    if section is None:
+        return plain[1]
+    lobe = Kernel(1.0, 1.0, search.amplitudes[0], lobe=search.lobe, section=section)
     following = (replace(lobe, length=a, stretch=b) for a, b in search.following)
-    found = [trial.best(kernels, search) for kernels in (plain, following)]
+    merit_of_lobe, found = trial.best(following, search)
     price = search.worth * float(trial.belief.responsibility.sum())
-    return found[found[1][0] > found[0][0] + price][1]
+    return found if merit_of_lobe > plain[0] + price else plain[1]

@@ -27,7 +27,9 @@ class Search:
     following: tuple[tuple[float, float], ...] = ((0.4, 1), (0.4, 3), (1, 1), (1, 3))
     """...for these shapes: the shortest follows any lobe by itself..."""
     worth: float = 0.01
-    """...is kept where left-out samples are likelier by so much in ln for each believed."""
+    """...is kept where left-out samples are likelier by so much in ln for each believed..."""
+    heard: float = 0.1
+    """...and not tried where the first stage believes a smaller share: it knows of no lobe."""
     starts: int = 6
     first_steps: int = 12
     screening_steps: int = 3

@@ -109,7 +109,7 @@ def _explained(data: Measurements, design: Design, search: Search, progress: Pro
     leading = prior.leading(min(search.leading, max(3, len(data) // search.rows_per_direction)))
     candidates = np.column_stack([columns, base])
     first = _by_population(data, design, leading, candidates, search)
-    section = _section(design, leading, first)
+    section = _section(design, leading, first, search)
     progress(_LABEL, 1, 2)
     weights = _closer_weights(design, columns, first, search)
     prior = population_prior(design.axes, weights, design.sizes())
@@ -134,8 +134,15 @@ def _by_population(
     return max(found, key=lambda explained: explained.score)
 
 
-def _section(design: Design, prior: PopulationPrior, first: Explanation) -> Section:
-    """Return what the first stage says where light and camera are equally high."""
+def _section(
+    design: Design, prior: PopulationPrior, first: Explanation, search: Search
+) -> Section | None:
+    """Return what the first stage says where light and camera are equally high.
+
+    None where it believes hardly anybody.
+    """
+    if first.belief.responsibility.mean() < search.heard:
+        return None
     combination, constant = prior.combination(first.coefficients)
     return Section(design.section @ combination.mean(axis=1) + constant.mean())
 
@@ -159,7 +166,7 @@ def _with_residual(
     design: Design,
     prior: PopulationPrior,
     first: Explanation,
-    section: Section,
+    section: Section | None,
     search: Search,
 ) -> Winner:
     """Return the better of two explanations; each start has a thread of its own."""
