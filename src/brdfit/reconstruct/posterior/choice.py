@@ -77,11 +77,15 @@ def best_kernel(
     """
     some = data.spread_out(search.screening_rows)
     trial = _Trial.of(data.take(some), design.take(some), prior, belief.take(some), search)
-    plain = trial.best((Kernel(*shape, search.amplitudes[0]) for shape in search.shapes), search)
+    amplitude = search.amplitudes[0]
+    plain = trial.best((Kernel(*shape, amplitude) for shape in search.shapes), search)
     if section is None:
         return plain[1]
-    lobe = Kernel(1.0, 1.0, search.amplitudes[0], lobe=search.lobe, section=section)
-    following = (replace(lobe, length=a, stretch=b) for a, b in search.following)
-    merit_of_lobe, found = trial.best(following, search)
-    price = search.worth * float(trial.belief.responsibility.sum())
-    return found if merit_of_lobe > plain[0] + price else plain[1]
+    following = trial.best(
+        (
+            Kernel(*shape, amplitude, lobe=search.lobe, section=section)
+            for shape in search.following
+        ),
+        search,
+    )
+    return (following if following[0] > plain[0] + search.worth * trial.belief.count else plain)[1]

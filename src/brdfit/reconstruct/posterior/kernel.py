@@ -13,7 +13,7 @@ on a grid, but predicted real measurements worse: what changes fast in phi_d cha
 theta_h and theta_d are large, and there only. The fifth coordinate, where a fit wants it
 (`grazing` above 0), keeps apart what lies near the horizon: there a BRDF changes faster than
 anywhere but in its peak. L(theta_h, theta_d) is what the population alone says of the material
-(`section`), where a fit wants it (`lobe` above 0). Where L is steep, as on the flank of a lobe,
+(`section`), where a fit wants it. Where L is steep, as on the flank of a lobe,
 samples tell of less around them than where it is flat: no length that is the same everywhere
 serves both.
 
@@ -55,18 +55,18 @@ class Kernel:
     grazing: float = 0.0
     """How much the last decades before the horizon count as distance; 0 for not at all."""
     lobe: float = 0.0
-    """Lengths that an e-fold of what the population says counts as; 0 for not at all."""
+    """Lengths that an e-fold of what the population says counts as..."""
     section: Section | None = None
-    """What the population says; nobody asks where `lobe` is 0."""
+    """...and what it says; None where it does not count."""
 
     def coordinates(self, angles: Angles) -> FloatArray:
-        """Return x / length (n, 4), a column more for each of `grazing` and `lobe` above 0."""
+        """Return x / length (n, 4), a column more for each of `grazing` and `section`."""
         x = half_diff_features(*(np.asarray(angle, dtype=np.float64) for angle in angles))
         x[:, 0] *= self.stretch
         if self.grazing > 0.0:
             x = np.column_stack([x, -self.grazing * _log_height(angles)])
         x /= self.length
-        if self.lobe > 0.0 and self.section is not None:
+        if self.section is not None:
             x = np.column_stack([x, self.lobe * self.section.at(angles[0], angles[1])])
         return np.asarray(x)
 

