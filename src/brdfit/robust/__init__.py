@@ -5,7 +5,8 @@ Knows nothing of BRDFs: arrays of residuals in, arrays of weights in [0, 1] out.
 
 from __future__ import annotations
 
-from brdfit.robust.mixture import Background, Factors, Mixture, Verdict, mean_known
+from brdfit.robust.background import Background, mean_known
+from brdfit.robust.mixture import Factors, Mixture, Verdict
 from brdfit.robust.unevenness import Unevenness
 from brdfit.robust.weights import cauchy, quartile_scale, relative_exponential
 

@@ -6,13 +6,13 @@ and that scale: predictions of a BRDF are far off more often than a normal allow
 changes faster than the samples tell. With probability pi it is an *outlier*, of one of two
 kinds. Either its value is the right one times some factor (a gain, an exposure, a shadow): a
 normal around the prediction that is much broader than noise. Or it knows of no prediction: a
-normal over the values themselves, with a thin floor beneath it. Both are as broad as the
-outliers found so far, and so is the share q of the first kind.
+density O over the values themselves (`background`). Both are what the outliers found so far
+make of them, and so is the share q of the first kind.
 
     E_i    = mean over c of  e_ic^2
     ln N_i = -1/2 (E_i / V_i + ln 2 pi V_i)      or     ln t_nu(sqrt(E_i); V_i)
     ln F_i = -1/2 (E_i / V + ln 2 pi V),  V = V_i + spread^2
-    ln O_i = mean over c of  ln( (1 - t) N(y_ic; centre, breadth^2) + t N(y_ic; centre, 5^2) )
+    ln O_i = mean over c of  ln O(y_ic)
 
     r_i = (1 - pi) N_i / ((1 - pi) N_i + pi (q F_i + (1 - q) O_i))     responsibility, or weight
 
@@ -31,52 +31,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
+from brdfit.robust.background import Background, mean_known
 
-__all__ = ["Background", "Factors", "Mixture", "Verdict", "mean_known"]
+__all__ = ["Factors", "Mixture", "Verdict"]
 
 _LOG_TWO_PI = float(np.log(2.0 * np.pi))
 # Pseudo-counts of the share of outliers, Beta(a, b): 20 samples must not settle on 0 or 1.
 _PRIOR_WRONG, _PRIOR_RIGHT = 0.5, 4.5
-# Outliers imagined beside those found, the least breadth of their values, and t.
-_IMAGINED, _NARROWEST, _FLOOR = 5.0, 0.7, 0.02
-# Imagined outliers of each kind, and the widest spread of a factor, ln.
-_IMAGINED_FACTORS, _WIDEST = 2.0, 2.5
-
-
-@dataclass(frozen=True)
-class Background:
-    """Where values lie that no prediction explains: a normal over y, and a thin floor."""
-
-    centre: float
-    breadth: float
-
-    @classmethod
-    def of(cls, y: FloatArray, known: BoolArray, wrong: FloatArray | None = None) -> Background:
-        """Fit it to the known values, weighted by how `wrong` (n,) their rows are.
-
-        A few imagined outliers, spread like the values at large, keep it broad where hardly
-        anything is wrong.
-        """
-        values = y[known]
-        centre, breadth = float(np.median(values)), max(float(np.std(values)), _NARROWEST)
-        if wrong is None:
-            return cls(centre, breadth)
-        weights = np.broadcast_to(wrong[:, None], y.shape)[known] / y.shape[1]
-        total = float(weights.sum()) + _IMAGINED
-        mean = (float(weights @ values) + _IMAGINED * centre) / total
-        spread = float(weights @ (values - mean) ** 2) + _IMAGINED * (
-            breadth**2 + (centre - mean) ** 2
-        )
-        return cls(mean, max(float(np.sqrt(spread / total)), _NARROWEST))
-
-    def log_density(self, y: FloatArray, known: BoolArray) -> FloatArray:
-        """Return ln O_i (n,)."""
-        broad = (1.0 - _FLOOR) * _normal(y - self.centre, self.breadth)
-        return mean_known(np.log(broad + _FLOOR * _normal(y - self.centre, 5.0)), known)
-
-
-def _normal(x: FloatArray, width: float) -> FloatArray:
-    return np.asarray(np.exp(-0.5 * (x / width) ** 2) / (width * np.sqrt(2.0 * np.pi)) + 1e-30)
+# Imagined outliers of each kind, and the narrowest and widest spread of a factor, ln.
+_IMAGINED_FACTORS, _NARROWEST, _WIDEST = 2.0, 0.7, 2.5
 
 
 @dataclass(frozen=True)
@@ -180,9 +143,3 @@ class Mixture:
 def _log_normal(square: FloatArray, variance: FloatArray) -> FloatArray:
     """Return the mean over entries of ln N(e; 0, V) (n,) from the mean of e^2 (n,)."""
     return np.asarray(-0.5 * (square / variance + np.log(variance) + _LOG_TWO_PI))
-
-
-def mean_known(values: FloatArray, known: BoolArray) -> FloatArray:
-    """Return the mean of values (n, c) over the known entries of each row, 0 where none is."""
-    count = np.maximum(known.sum(axis=1), 1)
-    return np.asarray(np.where(known, values, 0.0).sum(axis=1) / count)

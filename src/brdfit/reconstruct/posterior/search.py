@@ -32,6 +32,8 @@ class Search:
     """...and not tried where the first stage believes a smaller share: it knows of no lobe."""
     starts: int = 6
     first_steps: int = 12
+    proving_steps: int = 12
+    """Steps that a start takes, and goes on for to show where it leads."""
     screening_steps: int = 3
     second_steps: int = 8
     last_steps: int = 4

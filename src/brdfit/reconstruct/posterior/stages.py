@@ -1,6 +1,7 @@
 """The two stages of a fit: what the population can explain, then what it cannot.
 
-1. The population alone, from several starts; the most likely explanation is kept.
+1. The population alone, from several starts; that is kept which goes on to the most likely
+   explanation, as it stood halfway: by then it is too sure of itself.
 2. Population and local residual, from the first stage's verdict *and* from believing
    everybody: a lobe that no member has looks like outliers to the first stage, but its samples
    agree with one another. Of the kernels of a short list, tried on some of the samples, the one
@@ -131,7 +132,12 @@ def _by_population(
         refine(data, base, weighted, belief, search.first_steps)
         for belief in starting_beliefs(data, candidates, search.starts)
     ]
-    return max(found, key=lambda explained: explained.score)
+
+    def promise(explained: Explanation) -> float:
+        proven = refine(data, base, weighted, explained.belief, search.proving_steps)
+        return proven.score
+
+    return max(found, key=promise)
 
 
 def _section(
