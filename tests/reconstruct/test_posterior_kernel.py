@@ -7,6 +7,7 @@ import pytest
 
 from brdfit.grid import MERL_GRID, Grid
 from brdfit.reconstruct.posterior.kernel import Kernel
+from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.nodes import residual_on_grid
 from brdfit.reconstruct.posterior.prior import population_prior
 from brdfit.reconstruct.posterior.refine import Belief, Explanation
@@ -160,33 +161,30 @@ def test_a_section_is_its_nodes_and_its_slopes_are_its_own():
 @pytest.mark.parametrize(("share", "expected"), [(0.05, False), (0.5, True)])
 def test_a_first_stage_that_believes_hardly_anybody_knows_of_no_lobe(share, expected):
     rows, axes = 40, np.eye(4, 2)
-    prior = population_prior(axes, np.full(4, 0.25))
     rng = np.random.default_rng(8)
     design = Design(
-        components=np.zeros((rows, 3)),
+        components=rng.normal(size=(rows, 3)),
         axes=axes,
         weights=np.full(4, 0.25),
         angles=(np.zeros(rows),) * 3,
         section=rng.normal(size=(*SECTION.shape[:2], 3)),
     )
-    y = rng.normal(size=(rows, 1))
-    mixture = Mixture(0.05, Background.of(y, np.ones(y.shape, dtype=bool)))
+    truth = np.array([1.0, 0.4, -0.3])
+    data = measured((design.components @ truth + 0.5)[:, None])
+    mixture = Mixture(0.05, Background.of(data.y, data.known))
     belief = Belief(np.full(rows, share), 0.1, mixture, np.ones(rows))
+    nothing = {"posterior": None, "mean": None, "left_out": None, "surprise": None}
     first = Explanation(
-        coefficients=rng.normal(size=(prior.size, 1)),
-        posterior=None,
-        mean=None,
-        left_out=None,
-        belief=belief,
-        score=0.0,
-        surprise=None,
-        steps=0,
-        settled=True,
+        np.zeros((3, 1)), belief=belief, score=0.0, steps=0, settled=True, **nothing
     )
-    section = _section(design, prior, first, Search())
+    prior = population_prior(axes, np.full(4, 0.25))
+    section = _section(data, design, prior, first, Search())
     assert (section is not None) is expected
     if section is not None:
-        combination, constant = prior.combination(first.coefficients)
-        np.testing.assert_allclose(
-            section.level, design.section @ combination[:, 0] + constant[0], atol=1e-12
-        )
+        np.testing.assert_allclose(section.level, design.section @ truth + 0.5, atol=0.02)
+
+
+def measured(y):
+    rows = np.arange(len(y))
+    known = np.ones(y.shape, dtype=bool)
+    return Measurements(rows, rows, y, known, ~known, np.zeros(len(y)), np.zeros((len(y), 2)))

@@ -23,13 +23,16 @@ class Search:
     grazing: float = 0.25
     """...and the best of those with the horizon further away."""
     lobe: float = 0.5
-    """The same with an e-fold of the first stage's f_r as so many lengths of distance..."""
+    """The same with an e-fold of the population's f_r as so many lengths of distance..."""
     following: tuple[tuple[float, float], ...] = ((0.4, 1), (0.4, 3), (1, 1), (1, 3))
     """...for these shapes: the shortest follows any lobe by itself..."""
     worth: float = 0.01
     """...is kept where left-out samples are likelier by so much in ln for each believed..."""
     heard: float = 0.1
     """...and not tried where the first stage believes a smaller share: it knows of no lobe."""
+    section_steps: int = 2
+    """Steps in which members like the material say what f_r that is."""
+
     starts: int = 6
     first_steps: int = 12
     proving_steps: int = 12

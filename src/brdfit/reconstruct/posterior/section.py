@@ -1,4 +1,4 @@
-"""What the first stage says of a material, as a function of theta_h and theta_d alone.
+"""What the population alone says of a material, as a function of theta_h and theta_d.
 
     L(theta_h, theta_d) = ln f_r(theta_h, theta_d, phi_d = pi/2)
 

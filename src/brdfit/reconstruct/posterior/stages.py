@@ -110,10 +110,10 @@ def _explained(data: Measurements, design: Design, search: Search, progress: Pro
     leading = prior.leading(min(search.leading, max(3, len(data) // search.rows_per_direction)))
     candidates = np.column_stack([columns, base])
     first = _by_population(data, design, leading, candidates, search)
-    section = _section(design, leading, first, search)
     progress(_LABEL, 1, 2)
     weights = _closer_weights(design, columns, first, search)
     prior = population_prior(design.axes, weights, design.sizes())
+    section = _section(data, design, prior, first, search)
     found = _with_residual(data, design, prior, first, section, search)
     progress(_LABEL, 2, 2)
     return found
@@ -141,15 +141,23 @@ def _by_population(
 
 
 def _section(
-    design: Design, prior: PopulationPrior, first: Explanation, search: Search
+    data: Measurements,
+    design: Design,
+    prior: PopulationPrior,
+    first: Explanation,
+    search: Search,
 ) -> Section | None:
-    """Return what the first stage says where light and camera are equally high.
+    """Return what members like the material say of it where light and camera are equally high.
 
-    None where it believes hardly anybody.
+    None where the first stage believes hardly anybody. `prior` leans on those members: the whole
+    population has rings and holes where nobody measured.
     """
     if first.belief.responsibility.mean() < search.heard:
         return None
-    combination, constant = prior.combination(first.coefficients)
+    base, features = prior.log_mean(design.components), prior.features(design.components)
+    weighted = partial(CoefficientPosterior.of, features)
+    found = refine(data, base, weighted, first.belief, search.section_steps)
+    combination, constant = prior.combination(found.coefficients)
     return Section(design.section @ combination.mean(axis=1) + constant.mean())
 
 
