@@ -14,6 +14,7 @@ from brdfit.reconstruct.posterior import detail as module
 from brdfit.reconstruct.posterior.detail import FEWEST, add_detail
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.refine import Belief
+from brdfit.reconstruct.posterior.section import SECTION, Section
 from brdfit.reconstruct.posterior.stages import FREEDOM, Judged
 from brdfit.robust import Background, Mixture
 
@@ -44,12 +45,12 @@ def measured(y):
     return Measurements(rows, rows, y, known, ~known, np.zeros(len(y)), places)
 
 
-def fitted(y, angles, mean=None, width=0.1):
+def fitted(y, angles, mean=None, width=0.1, section=None):
     data = measured(y)
     mixture = Mixture(0.05, Background.of(data.y, data.known), freedom=FREEDOM)
     belief = Belief(np.ones(len(y)), width, mixture, np.ones(len(y)))
     mean = np.zeros_like(y) if mean is None else mean
-    return add_detail(data, Judged(np.zeros(len(y)), mean), angles, belief)
+    return add_detail(data, Judged(np.zeros(len(y)), mean), angles, belief, section)
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +71,21 @@ def test_many_samples_of_a_peak_that_no_stage_knows_are_reproduced(of_peak):
     error = np.abs(detail.at(elsewhere) - peak(elsewhere)).mean()
     assert error < 0.1 * np.abs(peak(elsewhere)).mean()
     assert (judged.responsibility < 0.5).mean() < 0.02
+
+
+def test_a_flank_that_the_population_knows_is_followed(angles):
+    def flank(theta_h, theta_d):
+        return 3.0 * np.tanh((np.sqrt(theta_h) - 0.4) / 0.01) + 0.0 * theta_d
+
+    section = Section(flank(SECTION.theta_h[:, None], SECTION.theta_d))
+    y = np.repeat(0.2 * flank(*angles[:2])[:, None], 2, axis=1) + noise(COUNT)
+    elsewhere = angles_of(500, seed=9)
+    truth = 0.2 * flank(*elsewhere[:2])[:, None]
+    knowing, plain = (
+        np.abs(fitted(y, angles, section=one)[0].at(elsewhere) - truth).mean()
+        for one in (section, None)
+    )
+    assert knowing < 0.9 * plain
 
 
 def test_a_far_outlier_moves_nothing(angles, of_peak):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -132,6 +134,15 @@ def test_one_that_follows_a_lobe_is_a_covariance_too_and_reciprocal(angles):
     assert np.linalg.eigvalsh(gram).min() > -1e-10
     theta_h, theta_d, phi_d = angles
     assert np.allclose(kernel.between((theta_h, theta_d, phi_d + np.pi), angles), gram)
+
+
+def test_what_is_known_of_a_lobe_changes_nothing_where_it_does_not_count(angles):
+    kernel = Kernel(0.4, 3.0, 0.3, 0.25)
+    knowing = replace(kernel, section=PEAK)
+    assert np.array_equal(knowing.between(angles, angles), kernel.between(angles, angles))
+    alpha = np.ones((len(angles[0]), 1))
+    one, other = (on_grid(k, MERL_GRID, angles, alpha) for k in (kernel, knowing))
+    assert np.array_equal(one, other)
 
 
 @pytest.mark.parametrize(("length", "stretch"), Search().following)

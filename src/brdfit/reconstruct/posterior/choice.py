@@ -78,7 +78,9 @@ def best_kernel(
     some = data.spread_out(search.screening_rows)
     trial = _Trial.of(data.take(some), design.take(some), prior, belief.take(some), search)
     amplitude = search.amplitudes[0]
-    plain = trial.best((Kernel(*shape, amplitude) for shape in search.shapes), search)
+    plain = trial.best(
+        (Kernel(*shape, amplitude, section=section) for shape in search.shapes), search
+    )
     if section is None:
         return plain[1]
     following = trial.best(

@@ -9,7 +9,8 @@ million alike. Nearness is a matter of a metric, one of a short list, in
 
     (stretch sqrt(theta_h / (pi/2)),  theta_d / (pi/2),  r cos 2 phi_d,  r sin 2 phi_d)
 
-with r = around sin theta_d, or that times sin theta_h. `judging` finds metric, a, noise and who
+with r = around sin theta_d, or that times sin theta_h, and where it serves L of `section`
+besides: a lobe's flank is far from its foot. `judging` finds metric, a, noise and who
 is believed; if samples are no more likely with detail than without, there is none.
 """
 
@@ -28,6 +29,7 @@ from brdfit.reconstruct.posterior.judging import Crossed, Rows, brought_to_rest
 from brdfit.reconstruct.posterior.kernel import Angles, taken
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.refine import Belief
+from brdfit.reconstruct.posterior.section import Section
 from brdfit.reconstruct.posterior.stages import Judged
 from brdfit.reconstruct.slabs import Carried
 
@@ -91,17 +93,19 @@ def add_detail(
     judged: Judged,
     angles: Angles,
     belief: Belief,
+    section: Section | None = None,
     progress: Progress = silent,
 ) -> tuple[Detail | None, Judged]:
     """Return the detail of `data` beyond `judged.mean`, or None, and what is made of all rows.
 
-    `belief` is the mixture and the noise of the stages before. Rows beyond `MOST` have no say.
+    `belief` is the mixture and the noise of the stages before, `section` what the population
+    alone says. Rows beyond `MOST` have no say.
     """
     if len(data) < FEWEST:
         return None, judged
     some = data.spread_out(MOST)
     chosen = taken(angles, some)
-    rows = Rows.of(data.take(some), judged.mean[some], chosen)
+    rows = Rows.of(data.take(some), judged.mean[some], chosen, section)
     if rows.whole.sum() < FEWEST:
         return None, judged
     found = brought_to_rest(rows, belief, progress)

@@ -28,6 +28,7 @@ from brdfit.reconstruct.coordinates import half_diff_features
 from brdfit.reconstruct.posterior.kernel import Angles, taken
 from brdfit.reconstruct.posterior.measurements import Measurements
 from brdfit.reconstruct.posterior.refine import Belief
+from brdfit.reconstruct.posterior.section import Section
 from brdfit.robust import Mixture
 
 __all__ = ["Crossed", "Metric", "Rows", "brought_to_rest"]
@@ -37,6 +38,8 @@ _COUNT = 24
 _REACH = 0.1
 """Of the kriging, in units of the metric: detail ends a few of these from the last sample."""
 _ROUNDS = 10
+# How far an e-fold of what the population says is, in units of the metric.
+_LOBE = 0.15
 # Rows that metrics and ratios are compared on.
 _COMPARED = 2000
 _RATIOS = (1e-4, 1e-3, 1e-2, 1e-1, 1.0)
@@ -54,21 +57,27 @@ _FITTING = 6
 
 @dataclass(frozen=True)
 class Metric:
-    """Which samples are near: how much theta_h counts, and phi_d, and whether with theta_h."""
+    """Which samples are near: how much theta_h counts, and phi_d, and whether with theta_h.
+
+    And whether it counts what the population says (`section`).
+    """
 
     stretch: float
     around: float
     fades: bool
+    section: Section | None = None
 
     def places(self, angles: Angles) -> FloatArray:
-        """Return (n, 4)."""
+        """Return (n, 4), a column more with `section`."""
         theta_h, theta_d, _ = angles
         r = self.around * np.sin(theta_d)
         if self.fades:
             r = r * np.sin(theta_h)
         places = half_diff_features(*angles, radius=r)
         places[:, 0] *= self.stretch
-        return places
+        if self.section is None:
+            return places
+        return np.column_stack([places, _LOBE * self.section.at(theta_h, theta_d)])
 
 
 _METRICS = (
@@ -91,12 +100,21 @@ class Rows:
     """y - mean (n, c); 0 where unknown."""
     whole: BoolArray
     """(n,): every channel has a value. A bound, or half a row, is nobody's neighbour."""
+    section: Section | None
+    """What the population alone says; None where that is not known."""
 
     @classmethod
-    def of(cls, data: Measurements, mean: FloatArray, angles: Angles) -> Rows:
+    def of(
+        cls,
+        data: Measurements,
+        mean: FloatArray,
+        angles: Angles,
+        section: Section | None = None,
+    ) -> Rows:
         """Return the rows of `data`, of which `mean` is said."""
         whole = np.asarray((data.known & ~data.censored).all(axis=1))
-        return cls(data, mean, angles, np.where(data.known, data.y - mean, 0.0), whole)
+        left_over = np.where(data.known, data.y - mean, 0.0)
+        return cls(data, mean, angles, left_over, whole, section)
 
     def __len__(self) -> int:
         return len(self.data)
@@ -228,9 +246,19 @@ def _chosen(
         return _likelihood(square, shape, heard, belief.mixture)
 
     nugget = _nugget(rows, belief, pool, ratio, scale)
-    systems = {one: _system(rows, pool, one, nugget) for one in _METRICS}
-    metric = max(_METRICS, key=lambda one: tried(systems[one], one, ratio)[0])
-    found = {one: tried(systems[metric], metric, one) for one in _RATIOS}
+
+    def nearness(metric: Metric) -> tuple[float, Neighbours]:
+        system = _system(rows, pool, metric, nugget)
+        return tried(system, metric, ratio)[0], system
+
+    systems = {one: nearness(one) for one in _METRICS}
+    metric = max(systems, key=lambda one: systems[one][0])
+    if rows.section is not None:
+        following = replace(metric, section=rows.section)
+        systems[following] = nearness(following)
+        metric = max(metric, following, key=lambda one: systems[one][0])
+    system = systems[metric][1]
+    found = {one: tried(system, metric, one) for one in _RATIOS}
     ratio = max(_RATIOS, key=lambda one: found[one][0])
     return metric, ratio, found[ratio][1]
 

@@ -55,18 +55,18 @@ class Kernel:
     grazing: float = 0.0
     """How much the last decades before the horizon count as distance; 0 for not at all."""
     lobe: float = 0.0
-    """Lengths that an e-fold of what the population says counts as..."""
+    """Lengths that an e-fold of what the population says counts as; 0 for not at all..."""
     section: Section | None = None
-    """...and what it says; None where it does not count."""
+    """...and what it says; None where that is not known."""
 
     def coordinates(self, angles: Angles) -> FloatArray:
-        """Return x / length (n, 4), a column more for each of `grazing` and `section`."""
+        """Return x / length (n, 4), a column more for each of `grazing` and `lobe`."""
         x = half_diff_features(*(np.asarray(angle, dtype=np.float64) for angle in angles))
         x[:, 0] *= self.stretch
         if self.grazing > 0.0:
             x = np.column_stack([x, -self.grazing * _log_height(angles)])
         x /= self.length
-        if self.section is not None:
+        if self.section is not None and self.lobe > 0.0:
             x = np.column_stack([x, self.lobe * self.section.at(angles[0], angles[1])])
         return np.asarray(x)
 

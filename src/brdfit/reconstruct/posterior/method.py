@@ -82,8 +82,14 @@ class Posterior:
         search = self.search()
         winner = explain(data, design, search, progress)
         judged = verdict_on(winner, data, design, search)
-        belief = winner.explanation.belief
-        detail, judged = add_detail(data, judged, design.angles, belief, progress)
+        detail, judged = add_detail(
+            data,
+            judged,
+            design.angles,
+            winner.explanation.belief,
+            winner.system.kernel.section,
+            progress,
+        )
         return self._result(samples, materials, data, PosteriorModel(basis, winner, detail), judged)
 
     def search(self) -> Search:

@@ -73,7 +73,7 @@ def _along(kernel: Kernel, axis: int, stretch: float, length: float, own: FloatA
     On the flank of a lobe they are closer than elsewhere.
     """
     least, each = (_ALONG_H, _ALONG_D)[axis]
-    if kernel.section is None:
+    if kernel.section is None or kernel.lobe == 0.0:
         count = min(least + int(np.ceil(each * stretch / length)), own.size)
         return np.linspace(own[0], own[-1], count)
     at = np.linspace(own[0], own[-1], _FINE)
