@@ -39,6 +39,8 @@ __all__ = ["FREEDOM", "Judged", "everybody", "explain", "verdict_on"]
 
 FREEDOM = 2.5
 """nu of an inlier of the second stage."""
+# Mean difference of responsibilities below which two explanations are one.
+_SAME = 0.01
 _LABEL = "posterior"
 _CHUNK = 4096
 _THREADS = 2
@@ -128,16 +130,29 @@ def _by_population(
 ) -> Explanation:
     base, features = prior.log_mean(design.components), prior.features(design.components)
     weighted = partial(CoefficientPosterior.of, features)
-    found = [
-        refine(data, base, weighted, belief, search.first_steps)
-        for belief in starting_beliefs(data, candidates, search.starts)
-    ]
+    found = _apart(
+        [
+            refine(data, base, weighted, belief, search.first_steps)
+            for belief in starting_beliefs(data, candidates, search.starts)
+        ]
+    )
+    if len(found) == 1:
+        return found[0]
 
     def promise(explained: Explanation) -> float:
-        proven = refine(data, base, weighted, explained.belief, search.proving_steps)
-        return proven.score
+        return refine(data, base, weighted, explained.belief, search.proving_steps).score
 
     return max(found, key=promise)
+
+
+def _apart(found: list[Explanation]) -> list[Explanation]:
+    """Return those that do not believe the same samples as a likelier one, likeliest first."""
+    kept: list[Explanation] = []
+    for one in sorted(found, key=lambda explained: -explained.score):
+        r = one.belief.responsibility
+        if all(np.abs(r - other.belief.responsibility).mean() > _SAME for other in kept):
+            kept.append(one)
+    return kept
 
 
 def _section(
