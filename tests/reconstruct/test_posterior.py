@@ -259,3 +259,15 @@ def test_what_lies_beyond_the_samples_is_stated_with_more_than_the_process_says(
     stated = model.stddev(far.wi, far.wo)[:, 0] ** 2 / model.calibration.unit**2
     assert (stated >= process * (1.0 - 1e-9)).all()
     assert np.median(stated / process) > 1.5
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_crowd_of_outliers_that_is_the_majority_is_not_the_material(toy, measure, seed):
+    samples = measure(n=120, noise=0.0)
+    rng = np.random.default_rng(seed)
+    wrong = rng.permutation(120) < 84
+    elsewhere = rng.random((120, 1)) * np.percentile(samples.value, 95, axis=0)
+    spoilt = samples.with_value(np.where(wrong[:, None], elsewhere, samples.value))
+    named = Posterior(population=toy.without(["m4"])).fit(spoilt).outliers
+    assert named[wrong].mean() > 0.95
+    assert named[~wrong].mean() < 0.05
