@@ -184,9 +184,8 @@ def test_a_first_stage_that_believes_hardly_anybody_knows_of_no_lobe(share, expe
     data = measured((design.components @ truth + 0.5)[:, None])
     mixture = Mixture(0.05, Background.of(data.y, data.known))
     belief = Belief(np.full(rows, share), 0.1, mixture, np.ones(rows))
-    nothing = {"posterior": None, "mean": None, "left_out": None, "surprise": None}
     first = Explanation(
-        np.zeros((3, 1)), belief=belief, score=0.0, steps=0, settled=True, **nothing
+        np.zeros((3, 1)), None, None, None, belief, score=0.0, surprise=None, steps=0, settled=True
     )
     prior = population_prior(axes, np.full(4, 0.25))
     section = _section(data, design, prior, first, Search())
