@@ -41,6 +41,17 @@ def test_members_are_logarithms_held_above_the_floor(toy, random_directions):
         assert np.allclose(log, np.log(values[:, :, channel]), atol=1e-6)
 
 
+def test_many_directions_are_asked_piece_by_piece_and_every_one_answers_for_itself(
+    toy, random_directions
+):
+    wi, wo = random_directions(1300)
+    rows = MemberRows.at(toy, wi, wo)
+    some = np.array([0, 511, 512, 1023, 1024, 1299])
+    few = MemberRows.at(toy, wi[some], wo[some])
+    for all_of_them, alone in zip(rows.logs, few.logs, strict=True):
+        assert np.allclose(all_of_them[some], alone, atol=1e-6)
+
+
 def test_taking_rows_and_leaving_members_out(toy, random_directions):
     rows = MemberRows.at(toy, *random_directions(20))
     some = rows.take(slice(5, 9)).without(np.array([0, 2]))

@@ -31,7 +31,7 @@ from brdfit.arrays import FloatArray
 from brdfit.models.angles import PairAngles
 from brdfit.models.columns import freeze_columns
 from brdfit.models.facets import FacetAngles
-from brdfit.models.fresnel import dielectric, film, schlick
+from brdfit.models.fresnel import dielectric, film, gauss_legendre, schlick
 from brdfit.models.ggx import GgxLobe
 
 __all__ = ["CoatedDiffuse", "Flakes", "PearlFlakes"]
@@ -142,6 +142,6 @@ def _transmission(angles: PairAngles, ior: FloatArray) -> FloatArray:
 
 def _diffuse_reflectance(ior: FloatArray) -> FloatArray:
     """Return the reflectance of a coat for diffuse light from outside, (columns,)."""
-    nodes, shares = np.polynomial.legendre.leggauss(64)
+    nodes, shares = gauss_legendre(64)
     cosine, share = (nodes[:, None] + 1.0) / 2.0, shares / 2.0
     return np.asarray(share @ (2.0 * cosine * dielectric(cosine, ior)))

@@ -12,11 +12,14 @@ for Physically-based Rendering", Computer Graphics Forum 13(3), 1994.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
+
 import numpy as np
 
-from brdfit.arrays import FloatArray
+from brdfit.arrays import FloatArray, frozen
 
-__all__ = ["BAND_WIDTH", "dielectric", "film", "schlick"]
+__all__ = ["BAND_WIDTH", "dielectric", "film", "gauss_legendre", "schlick"]
 
 BAND_WIDTH = 80.0
 """nm. Width of the band over which a film's reflectance is averaged: that of a colour primary.
@@ -66,18 +69,45 @@ def film(
     bottom_s = (ior * inside - complex_base * below) / (ior * inside + complex_base * below)
     bottom_p = (complex_base * inside - ior * below) / (complex_base * inside + ior * below)
     path = 4.0 * np.pi * ior * thickness * inside
+    waves = _Airy.of(top_s, bottom_s), _Airy.of(top_p, bottom_p)
     total = np.zeros(np.broadcast_shapes(path.shape, top_s.shape))
-    nodes, shares = np.polynomial.legendre.leggauss(_NODES)
-    for node, share in zip(nodes, shares, strict=True):
+    for node, share in zip(*gauss_legendre(_NODES), strict=True):
         turn = path / (wavelength + 0.5 * BAND_WIDTH * node)
         cos, sin = np.cos(turn), np.sin(turn)
-        total += share / 4.0 * _airy(top_s, bottom_s, cos, sin)
-        total += share / 4.0 * _airy(top_p, bottom_p, cos, sin)
+        for wave in waves:
+            total += share / 4.0 * wave.at(cos, sin)
     return total
 
 
-def _airy(top: FloatArray, bottom: FloatArray, cos: FloatArray, sin: FloatArray) -> FloatArray:
-    # |(r1 + r2 e^it) / (1 + r1 r2 e^it)|^2 with r1 real
-    cross = 2.0 * top * (bottom.real * cos - bottom.imag * sin)
-    squared = bottom.real**2 + bottom.imag**2
-    return np.asarray((top**2 + squared + cross) / (1.0 + top**2 * squared + cross))
+@dataclass(frozen=True, eq=False)
+class _Airy:
+    """|(r1 + r2 e^it) / (1 + r1 r2 e^it)|^2 with r1 real: all of it that t has no part in."""
+
+    twice: FloatArray
+    """2 r1"""
+    real: FloatArray
+    imag: FloatArray
+    above: FloatArray
+    """r1^2 + |r2|^2"""
+    below: FloatArray
+    """1 + r1^2 |r2|^2"""
+
+    @classmethod
+    def of(cls, top: FloatArray, bottom: FloatArray) -> _Airy:
+        real, imag = np.ascontiguousarray(bottom.real), np.ascontiguousarray(bottom.imag)
+        squared, top2 = real**2 + imag**2, top**2
+        return cls(2.0 * top, real, imag, top2 + squared, 1.0 + top2 * squared)
+
+    def at(self, cos: FloatArray, sin: FloatArray) -> FloatArray:
+        """Return it at cos t, sin t."""
+        cross = self.real * cos
+        cross -= self.imag * sin
+        cross *= self.twice
+        return np.asarray((self.above + cross) / (self.below + cross))
+
+
+@lru_cache(maxsize=8)
+def gauss_legendre(count: int) -> tuple[FloatArray, FloatArray]:
+    """Return (nodes, shares), (count,) each, of the quadrature over [-1, 1]."""
+    nodes, shares = np.polynomial.legendre.leggauss(count)
+    return frozen(nodes), frozen(shares)

@@ -10,15 +10,17 @@ import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
 from brdfit.grid import Grid
-from brdfit.linalg import one_thread
+from brdfit.linalg import one_thread, side_by_side
 from brdfit.populations import VALUE_FLOOR, Columns, Population, columns
 from brdfit.progress import Progress
 from brdfit.samples import Samples
 
 __all__ = ["MemberRows", "by_block", "channel_roles", "on_grid"]
 
-# Directions evaluated at once: bounds the memory of a population of 600 columns to 80 MB.
+# Rows of a block: bounds the memory of a population of 600 columns to 80 MB.
 _CHUNK = 8192
+# Directions evaluated at once: as many as sources take together, so that two threads share few.
+_PIECE = 512
 # Bands below and above these wavelengths (nm) lean on the blue and the red of the population.
 _BLUE_BELOW, _RED_ABOVE = 490.0, 580.0
 _LABEL = "dense result"
@@ -37,10 +39,13 @@ class MemberRows:
         """Evaluate `population` at direction pairs (m, 3)."""
         n_channels, k = len(population.channels), len(population)
         logs = np.empty((n_channels, len(wi), k), dtype=np.float32)
-        for start in range(0, len(wi), _CHUNK):
-            rows = slice(start, start + _CHUNK)
+
+        def put(number: int) -> None:
+            rows = slice(number * _PIECE, (number + 1) * _PIECE)
             values = np.maximum(population.evaluate(wi[rows], wo[rows]), VALUE_FLOOR)
-            logs[:, rows] = np.moveaxis(np.log(values), 2, 0)
+            np.log(np.moveaxis(values, 2, 0), out=logs[:, rows])
+
+        side_by_side(put, -(-len(wi) // _PIECE))
         return cls(tuple(logs))
 
     @classmethod
