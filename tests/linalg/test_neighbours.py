@@ -62,3 +62,21 @@ def test_fewer_rows_than_neighbours_are_all_of_them():
     assert few.at(places).neighbours.shape == (3, 3)
     assert few.at(places, np.arange(3)).neighbours.shape == (3, 2)
     assert few.at(np.empty((0, 2))).mean.shape == (0, 1)
+
+
+def test_compiled_or_not_it_is_one_answer(rows):
+    pytest.importorskip("numba")
+    at = np.random.default_rng(4).random((300, 3))
+    twice = Neighbours.of(
+        np.concatenate([rows.places, rows.places]),  # rows that coincide
+        np.concatenate([rows.values, -rows.values]),
+        np.full(80, 1e-4),
+        0.5,
+        24,
+    )
+    for system in (rows, replace(rows, count=9), twice):
+        index, distance = system._nearest(at, None)
+        for one, other in zip(
+            system._solved(index, distance), system.plain_solved(index, distance), strict=True
+        ):
+            assert np.allclose(one, other, rtol=0.0, atol=1e-10)

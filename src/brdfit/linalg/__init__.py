@@ -15,6 +15,7 @@ from brdfit.linalg.normal_equations import (
     ridge_with_intercept,
 )
 from brdfit.linalg.packed import Triangle
+from brdfit.linalg.tall import forward
 from brdfit.linalg.thin import thin_product
 from brdfit.linalg.threads import one_thread, side_by_side
 
@@ -28,6 +29,7 @@ __all__ = [
     "NormalEquations",
     "RidgeFit",
     "Triangle",
+    "forward",
     "inverse_by_halves",
     "node_positions",
     "nonnegative",

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
+from brdfit.linalg.tall import forward, weighted_gram
 
 __all__ = ["TOLERANCE", "CoefficientPosterior", "LeftOut", "conjugate_gradients"]
 
@@ -54,8 +55,7 @@ class CoefficientPosterior:
     @classmethod
     def of(cls, features: FloatArray, weights: FloatArray) -> CoefficientPosterior:
         """Factorise A for rows `features` (n, d) of weights (n,)."""
-        scaled = features * np.sqrt(weights)[:, None]
-        return cls(features, weights, factor_of(scaled.T @ scaled))
+        return cls(features, weights, factor_of(weighted_gram(features, weights)))
 
     def solve(
         self,
@@ -94,9 +94,7 @@ class CoefficientPosterior:
 
     def variance(self, features: FloatArray) -> FloatArray:
         """Return phi^T A^-1 phi (m,) for rows phi (m, d)."""
-        from scipy.linalg import solve_triangular
-
-        half = solve_triangular(self.factor, features.T, lower=True, check_finite=False)
+        half = forward(self.factor, features.T)
         return np.asarray(np.einsum("dm,dm->m", half, half))
 
     def left_out(self, y: FloatArray, mean: FloatArray) -> LeftOut:

@@ -25,6 +25,7 @@ import numpy as np
 from brdfit.arrays import BoolArray, FloatArray
 from brdfit.linalg.gaussian import TOLERANCE, LeftOut, conjugate_gradients
 from brdfit.linalg.lapack import factor_and_inverse
+from brdfit.linalg.tall import forward
 
 __all__ = ["CovariancePosterior"]
 
@@ -122,10 +123,7 @@ class CovariancePosterior:
 
     def variance(self, cross: FloatArray, own: FloatArray) -> FloatArray:
         """Return var f (m,) from k(x, X) (m, n) and k(x, x) (m,)."""
-        from scipy.linalg import solve_triangular
-
-        right = (cross * self.root).T
-        half = solve_triangular(self.factor, right, lower=True, check_finite=False)
+        half = forward(self.factor, (cross * self.root).T)
         return np.asarray(np.maximum(own - np.einsum("nm,nm->m", half, half), 0.0))
 
     def _apply(self, right: FloatArray) -> FloatArray:

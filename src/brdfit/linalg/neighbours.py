@@ -6,7 +6,8 @@
 
 Z are the k rows nearest to x; kappa(d) = (1 + sqrt(3) d) exp(-sqrt(3) d). Rows that are further
 away are hidden behind them. The cost is n k^3, and every place stands alone: neither the order
-of the places nor the number of threads changes a bit.
+of the places nor the number of threads changes a bit. Array operations are the definition; where
+numba is installed, a compiled loop (`neighbour_loops`) does the same in a third of the time.
 
 Reference: A. V. Vecchia, "Estimation and model identification for continuous spatial processes",
 JRSS B 50(2), 1988, 297-312.
@@ -14,8 +15,10 @@ JRSS B 50(2), 1988, 297-312.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -63,6 +66,9 @@ class Neighbours:
         """Put the rows in order."""
         from scipy.spatial import cKDTree
 
+        places, values, nugget = (
+            np.ascontiguousarray(a, dtype=np.float64) for a in (places, values, nugget)
+        )
         return cls(places, values, nugget, reach, count, cKDTree(places))
 
     def __len__(self) -> int:
@@ -105,6 +111,16 @@ class Neighbours:
         return index[~is_own].reshape(shape), distance[~is_own].reshape(shape)
 
     def _solved(self, index: IntArray, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        loop = _loop_if_compiled()
+        if loop is None:
+            return self.plain_solved(index, distance)
+        mean, variance = np.empty((len(index), self.values.shape[1])), np.empty(len(index))
+        scale = np.sqrt(3.0) / self.reach
+        loop(self.places, self.values, self.nugget, index, distance, scale, mean, variance)
+        return mean, variance
+
+    def plain_solved(self, index: IntArray, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return mean (m, c) and v (m,) of rows `index` (m, k) at `distance` (m, k)."""
         k = index.shape[1]
         z = self.places[index]
         squares = np.zeros((len(index), k, k))
@@ -119,6 +135,16 @@ class Neighbours:
         mean = np.einsum("mk,mkc->mc", weights, self.values[index])
         variance = 1.0 - np.einsum("mk,mk->m", weights, cross)
         return mean, np.clip(variance, 0.0, 1.0)
+
+
+@lru_cache(maxsize=1)
+def _loop_if_compiled() -> Callable[..., None] | None:
+    """Return the compiled `neighbour_loops.solve_each`; None without numba."""
+    try:
+        from brdfit.linalg.neighbour_loops import solve_each
+    except ImportError:
+        return None
+    return solve_each  # type: ignore[no-any-return]
 
 
 def _matern(d: FloatArray, reach: float) -> FloatArray:

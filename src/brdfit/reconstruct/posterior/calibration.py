@@ -57,9 +57,9 @@ class Calibration:
     @classmethod
     def of(cls, square: FloatArray, responsibility: FloatArray, freedom: float) -> Calibration:
         """Return that of rows with `square` z^2 (n, c), NaN unknown, and `responsibility` (n,)."""
-        from scipy.stats import t
+        from scipy.special import stdtrit
 
-        imagined = t.ppf(0.5 + 0.5 * (np.arange(_POINTS) + 0.5) / _POINTS, freedom)
+        imagined = stdtrit(freedom, 0.5 + 0.5 * (np.arange(_POINTS) + 0.5) / _POINTS)
         known = np.isfinite(square)
         of_entry = (responsibility / np.maximum(known.sum(axis=1), 1))[:, None] * known
         distances = np.concatenate([np.sqrt(square[known]), imagined])

@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from brdfit.arrays import FloatArray, IntArray
-from brdfit.linalg import CoefficientPosterior, CovariancePosterior
+from brdfit.linalg import CoefficientPosterior, CovariancePosterior, forward
 from brdfit.reconstruct.posterior.kernel import Angles, Kernel, taken
 from brdfit.reconstruct.posterior.prior import PopulationPrior
 from brdfit.reconstruct.posterior.refine import Posterior
@@ -130,10 +130,9 @@ class Sparse:
 
     def _local(self, angles: Angles) -> FloatArray:
         """Return psi (n, m)."""
-        from scipy.linalg import solve_triangular
-
-        cross = self.kernel.between(self.centres, angles)
-        return np.ascontiguousarray(solve_triangular(self.factor, cross, lower=True).T)
+        return np.ascontiguousarray(
+            forward(self.factor, self.kernel.between(self.centres, angles)).T
+        )
 
 
 System = Whole | Sparse
