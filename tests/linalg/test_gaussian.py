@@ -56,3 +56,14 @@ def test_rows_of_no_weight_leave_the_prior(problem):
     posterior = CoefficientPosterior.of(features, np.zeros(30))
     assert np.array_equal(posterior.solve(y), np.zeros((8, 3)))
     assert np.allclose(posterior.variance(features), (features**2).sum(axis=1))
+
+
+def test_where_the_search_begins_does_not_matter(problem):
+    features, weights, y = problem
+    posterior = CoefficientPosterior.of(features, weights)
+    known = np.random.default_rng(7).random(y.shape) > 0.3
+    known[:, 0] = True
+    plain = posterior.solve(y, known)
+    begun = posterior.solve(y, known, start=np.random.default_rng(8).normal(size=plain.shape))
+    assert np.allclose(plain, begun, atol=1e-7)
+    assert np.allclose(plain[:, 0], posterior.solve(y)[:, 0])

@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from brdfit.arrays import BoolArray, FloatArray
-from brdfit.linalg.gaussian import TOLERANCE, LeftOut, conjugate_gradients
+from brdfit.linalg.gaussian import TOLERANCE, LeftOut
 from brdfit.linalg.lapack import factor_and_inverse
 from brdfit.linalg.tall import forward
 
@@ -80,37 +80,38 @@ class CovariancePosterior:
     ) -> FloatArray:
         """Return alpha (n, c) from y (n, c), where `known` (n, c) says which entries are there.
 
-        Columns that lack entries have a B of their own: they are solved by conjugate gradients,
-        all together, with the shared inverse to guide them, to a relative `tolerance`, from
-        `start` (n, c), if given.
+        Columns that lack entries have a B of their own, of the rows K that they know; with M
+        the others,
+
+            (B_KK)^-1 = (B^-1)_KK - (B^-1)_KM ((B^-1)_MM)^-1 (B^-1)_MK
+
+        That is exact: `tolerance` and `start` are for those who iterate.
         """
         root = self.root[:, None]
         whole = np.ones(y.shape[1], dtype=bool) if known is None else known.all(axis=0)
         alpha = np.empty_like(y)
-        alpha[:, whole] = root * self._apply(root * y[:, whole])
+        alpha[:, whole] = self._apply(root * y[:, whole])
         if known is not None and not whole.all():
-            alpha[:, ~whole] = self._of_some(
-                y[:, ~whole],
-                known[:, ~whole],
-                tolerance,
-                None if start is None else start[:, ~whole],
-            )
+            some = known[:, ~whole]
+            alpha[:, ~whole] = self._of_some(np.where(some, root * y[:, ~whole], 0.0), some)
+        alpha *= root
         return alpha
 
-    def _of_some(
-        self, y: FloatArray, known: BoolArray, tolerance: float, start: FloatArray | None
-    ) -> FloatArray:
-        root = self.root[:, None]
-        right = np.where(known, root * y, 0.0)
-
-        def product(v: FloatArray) -> FloatArray:
-            return v + np.where(known, root * (self.gram @ (root * v)), 0.0)
-
-        def guide(v: FloatArray) -> FloatArray:
-            return np.where(known, self.inverse @ v, 0.0)
-
-        begin = guide(right) if start is None else np.where(known, start / root, 0.0)
-        return np.asarray(root * conjugate_gradients(product, right, guide, begin, tolerance))
+    def _of_some(self, right: FloatArray, known: BoolArray) -> FloatArray:
+        """Return B_KK^-1 b (n, c), every column with its own K; b (n, c) is 0 where unknown."""
+        found = self.inverse @ right
+        for column, there in enumerate(known.T):
+            (rows,), (missing,) = np.nonzero(there), np.nonzero(~there)
+            if missing.size <= rows.size:
+                across = self.inverse[missing]
+                told = np.linalg.solve(across[:, missing], found[missing, column])
+                found[:, column] -= told @ across
+            else:
+                root = self.root[rows]
+                b = self.gram[np.ix_(rows, rows)] * root * root[:, None]
+                b[np.diag_indices_from(b)] += 1.0
+                found[rows, column] = np.linalg.solve(b, right[rows, column])
+        return np.where(known, found, 0.0)
 
     def fitted(self, alpha: FloatArray) -> FloatArray:
         """Return E f (n, c) at the rows."""
