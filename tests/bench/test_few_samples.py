@@ -139,7 +139,11 @@ def test_components_are_looked_up_where_known_and_asked_for_elsewhere(scene, toy
     known = KnownComponents.of(basis, scene)
     wi, wo = scene.directions(scene.rows(1.0)[::7])
     assert np.allclose(known.at(wi, wo), basis.at(wi, wo), atol=1e-4)
-    assert np.array_equal(known.at(wi, wo), known.components[scene.rows(1.0)[::7]])
+    # where theta_d = 0 several cells have one direction: any of their rows is an answer, and
+    # a product may round them differently
+    alone = ~np.isclose(wi, wo, rtol=0.0, atol=1e-9).all(axis=1)
+    assert alone.sum() > 100
+    assert np.array_equal(known.at(wi, wo)[alone], known.components[scene.rows(1.0)[::7]][alone])
     assert np.array_equal(known.at(wo, wi), basis.at(wo, wi))
 
 

@@ -43,7 +43,7 @@ class MemberRows:
         def put(number: int) -> None:
             rows = slice(number * _PIECE, (number + 1) * _PIECE)
             values = np.maximum(population.evaluate(wi[rows], wo[rows]), VALUE_FLOOR)
-            np.log(np.moveaxis(values, 2, 0), out=logs[:, rows])
+            logs[:, rows] = np.moveaxis(np.log(values, out=values), 2, 0)
 
         side_by_side(put, -(-len(wi) // _PIECE))
         return cls(tuple(logs))
