@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from brdfit.errors import BrdfitError
 from brdfit.formats import write_table
 from brdfit.grid import MERL_GRID
+from brdfit.mitsuba.library import require_llvm
 from brdfit.table import Table
 
 Run = Callable[..., tuple[int, str, str]]
@@ -28,10 +30,10 @@ def test_mitsuba_renders_the_same_sphere(run: Run, grey_table: Path, tmp_path: P
     from matplotlib.image import imread
 
     pytest.importorskip("mitsuba", reason="the extra mitsuba is not installed")
-    import drjit
-
-    if not drjit.has_backend(drjit.JitBackend.LLVM):
-        pytest.skip("the shared library of LLVM is not installed")
+    try:
+        require_llvm()
+    except BrdfitError as error:
+        pytest.skip(str(error))
     pictures = []
     for renderer in ("brdfit", "mitsuba"):
         path = tmp_path / f"{renderer}.png"

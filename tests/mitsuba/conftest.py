@@ -7,6 +7,9 @@ from typing import Any
 
 import pytest
 
+from brdfit.errors import BrdfitError
+from brdfit.mitsuba.library import require_llvm
+
 
 @pytest.fixture
 def scalar() -> Iterator[Any]:
@@ -23,10 +26,10 @@ def llvm() -> Iterator[Any]:
 def in_variant(name: str) -> Iterator[Any]:
     mi = pytest.importorskip("mitsuba", reason="the extra mitsuba is not installed")
     if name.startswith("llvm"):
-        import drjit
-
-        if not drjit.has_backend(drjit.JitBackend.LLVM):
-            pytest.skip("the shared library of LLVM is not installed")
+        try:
+            require_llvm()
+        except BrdfitError as error:
+            pytest.skip(str(error))
     before = mi.variant()
     mi.set_variant(name)
     yield mi

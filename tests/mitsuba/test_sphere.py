@@ -104,3 +104,22 @@ def test_what_cannot_be_rendered_is_said(llvm: Any, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(drjit, "has_backend", lambda backend: False)
     with pytest.raises(BrdfitError, match="DRJIT_LIBLLVM_PATH"):
         render_sphere(lambda: None, point(), 8, 4)
+
+
+def test_an_llvm_that_ends_the_process_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mitsuba", reason="the extra mitsuba is not installed")
+    import drjit
+
+    from brdfit.mitsuba import library
+
+    monkeypatch.setattr(drjit, "has_backend", lambda backend: True)
+    monkeypatch.setattr(
+        library,
+        "_SMALLEST",
+        "import os, sys; sys.stderr.write('LLVM ERROR: Cannot select'); sys.stderr.flush(); "
+        "os.abort()",
+    )
+    library._trouble.cache_clear()
+    with pytest.raises(BrdfitError, match=r"LLVM ERROR: Cannot select.*DRJIT_LIBLLVM_PATH"):
+        library.require_llvm()
+    library._trouble.cache_clear()
