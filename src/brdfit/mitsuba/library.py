@@ -51,7 +51,7 @@ def require_llvm() -> None:
     wrong = _trouble()
     if wrong:
         raise BrdfitError(
-            f"Mitsuba's llvm variants do not run here: a picture of 16 pixels ended with {wrong!r}. "
+            f"Mitsuba's llvm variants do not run here: a small picture ended with {wrong!r}. "
             f"LLVM is too old for this processor: install a newer one (Debian and Ubuntu: apt "
             f"install libllvm19), and name its file in DRJIT_LIBLLVM_PATH if several are there."
         )
