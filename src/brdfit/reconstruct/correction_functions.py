@@ -128,20 +128,24 @@ class CorrectionFunctions:
         materials = population(self.population)
         metric = error_metric(self.error_metric)
         basis = correction_basis(materials, metric, progress)
-        rows = MemberRows.at(materials, *samples.safe_directions)
-        targets = Targets.of(samples)
+        # rows that say nothing stay out of the products: a row is rounded by its place in them
+        told = np.flatnonzero(samples.usable.any(axis=1))
+        part = samples.subset(told)
+        rows = MemberRows.at(materials, part.wi, part.wo)
+        targets = Targets.of(part)
         roles = channel_roles(samples, materials)
         combination, loop = self.fit_rows(rows, targets, roles, basis, None, progress)
         model = CorrectedCombination(materials, combination, basis, loop.corrections)
-        residuals = _residuals(samples, targets, loop.log_estimate)
+        residuals = _among_all(samples, told, _residuals(part, targets, loop.log_estimate), np.nan)
+        before = _residuals(part, targets, combination.log_value(rows))
         outliers = find_outliers(residuals, samples.usable, self.per_channel)
         return Reconstruction(
             samples=samples,
             method=self,
             model=model,
-            channel_weights=loop.weights,
+            channel_weights=_among_all(samples, told, loop.weights, 0.0),
             residuals=residuals,
-            initial_residuals=_residuals(samples, targets, combination.log_value(rows)),
+            initial_residuals=_among_all(samples, told, before, np.nan),
             outliers=outliers.rows,
             outlier_rule=outliers.rule,
             outcome=outliers.outcome(loop.outcome),
@@ -207,6 +211,15 @@ class CorrectionFunctions:
             return judge, judge
         weights = loop.soft_weights(targets, judge.log_value(rows).astype(np.float64))
         return fit_weighted(rows, targets, roles, metric, weights), judge
+
+
+def _among_all(
+    samples: Samples, told: IntArray, values: FloatArray, otherwise: float
+) -> FloatArray:
+    """Return `values` of the rows `told` among those of all samples (n, c)."""
+    found = np.full(samples.value.shape, otherwise)
+    found[told] = values
+    return found
 
 
 def _residuals(samples: Samples, targets: Targets, log_estimate: FloatArray) -> FloatArray:
