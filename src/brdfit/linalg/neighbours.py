@@ -7,7 +7,7 @@
 Z are the k rows nearest to x; kappa(d) = (1 + sqrt(3) d) exp(-sqrt(3) d). Rows that are further
 away are hidden behind them. The cost is n k^3, and every place stands alone: neither the order
 of the places nor the number of threads changes a bit. Array operations are the definition; where
-numba is installed, a compiled loop (`neighbour_loops`) does the same in a third of the time.
+numba is installed, a compiled loop (`neighbour_loops`) does the same, faster.
 
 Reference: A. V. Vecchia, "Estimation and model identification for continuous spatial processes",
 JRSS B 50(2), 1988, 297-312.
